@@ -1,0 +1,83 @@
+"""A system as the kernel's deck: kernel.json and particles.csv. Effects that are off have no key."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from harness.scene.system import Constant, Cosine, Loaded, System
+
+if TYPE_CHECKING:
+    from harness.scene.system import Wall
+
+
+def render_deck(system: System, convention: str) -> dict[str, str]:
+    """Return the deck files by name."""
+    deck = {
+        "title": system.title,
+        "dimension": system.dimension,
+        "convention": convention,
+        "dt": system.dt,
+        "plan": _plan(system),
+        "normal": {
+            "normal_stiffness": system.normal.normal_stiffness,
+            "normal_damping": system.normal.normal_damping,
+            "clip_attraction": system.normal.attraction == "clipped",
+        },
+        "walls": [_wall(w, system) for w in system.walls],
+        **_optional(system),
+    }
+    return {"kernel.json": json.dumps(deck, indent=1) + "\n", "particles.csv": _particles(system)}
+
+
+def _plan(system: System) -> dict:
+    keys = ("steps", "sample_every", "frame_every", "contacts")
+    return {k: getattr(system, k) for k in keys}
+
+
+def _optional(system: System) -> dict:
+    on: dict = {}
+    if system.sliding is not None:
+        s = system.sliding
+        on["sliding"] = {k: getattr(s, k) for k in ("shear_friction", "shear_stiffness", "shear_damping")}
+    if system.background is not None:
+        on["drag"] = system.background.translational_drag
+    if system.gravity is not None:
+        on["gravity"] = list(system.gravity)
+    if system.periodic is not None:
+        on["periodic"] = list(system.periodic)
+    return on
+
+
+def _wall(wall: Wall, system: System) -> dict:
+    return {
+        "name": wall.name, "point": list(wall.point), "normal": list(wall.normal), "friction": wall.friction,
+        "motion": _motion(wall.motion, system),
+    }
+
+
+def _motion(motion, system: System) -> dict:
+    if motion is None:
+        return {"kind": "fixed"}
+    if isinstance(motion, Cosine):
+        return {"kind": "cosine", "travel": motion.travel, "duration": motion.duration}
+    if isinstance(motion, Constant):
+        return {"kind": "constant", "velocity": list(motion.velocity)}
+    return {"kind": "loaded", "mass": motion.mass, "load": motion.load, "stress": motion.stress,
+            "span": _span(motion, system), "damping": motion.damping}
+
+
+def _span(motion: Loaded, system: System) -> list[int] | None:
+    return None if motion.span is None else [system.wall(name).index - 1 for name in motion.span]
+
+
+def _particles(system: System) -> str:
+    p, dim = system.particles, system.dimension
+    axes, spins = "xyz"[:dim], (["wz"] if dim == 2 else ["wx", "wy", "wz"])
+    header = ["id", *axes, "radius", "mass", "inertia", *(f"v{a}" for a in axes), *spins]
+    inertia = p.inertia_factor * p.mass * p.radius**2
+    table = np.column_stack([p.x, p.radius, p.mass, inertia, p.v, p.spin])
+    rows = (",".join([str(k + 1), *(f"{value:.17g}" for value in row)]) for k, row in enumerate(table))
+    return "\n".join([",".join(header), *rows]) + "\n"

@@ -1,0 +1,116 @@
+"""Run the reference kernel as a child process, in a named convention.
+
+`kernel:lammps` and `kernel:liggghts` are the kernel doing what these codes do, `kernel:talk` follows
+the algorithm of the talks. They are three engines, because they compute three different things.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import sys
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from harness.engines.child import Child, last_step, run_child
+from harness.engines.kernel.deck import render_deck
+from harness.engines.protocol import Probe, RunResult, Support
+
+if TYPE_CHECKING:
+    from harness.scene.system import System
+    from postproc.trajectory import Trajectory
+
+LOG = "log.kernel"
+UNSTABLE = 3
+"""Exit status by which the kernel says that it stopped a run that left its laws' range."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class KernelEngine:
+    """The kernel in one convention; `name` is ``kernel:<convention>``."""
+
+    convention: str
+
+    @property
+    def name(self) -> str:
+        """Name of the engine in tables and run folders."""
+        return f"kernel:{self.convention}"
+
+    def probe(self) -> Probe:
+        """The kernel is part of this project: always there."""
+        import numpy
+
+        version = f"{_source_digest()}+numpy{numpy.__version__}"
+        return Probe(available=True, version=version, detail="reference.kernel, part of grainproof")
+
+    def supports(self, system: System) -> tuple[Support, ...]:
+        """Every effect a system can carry is computed exactly, with any moment of inertia."""
+        from harness.scene.effects import effects_on
+
+        note = f"convention {self.convention}"
+        return tuple(Support(effect=e, level="exact", note=note) for e in effects_on(system))
+
+    def render(self, system: System) -> dict[str, str]:
+        """Return kernel.json and particles.csv."""
+        return render_deck(system, self.convention)
+
+    def command(self, folder: Path) -> list[str]:
+        """Return the command that runs the deck."""
+        return [sys.executable, "-m", "reference.kernel", str(folder)]
+
+    def run(self, folder: Path, *, time_limit: float) -> RunResult:
+        """Run the deck in `folder` in a child process."""
+        child = run_child(self.command(Path(".")), folder=folder, log=LOG, time_limit=time_limit)
+        status, reason = _judged(child, time_limit)
+        report = _report(child) if status == "completed" else {}
+        return RunResult(
+            status=status, reason=reason, last_lines=child.last_lines, cpu_seconds=child.cpu_seconds,
+            wall_seconds=child.wall_seconds, timings=report.get("timings", {}),
+        )
+
+    def steps_done(self, folder: Path) -> int:
+        """Return the last sampled step."""
+        return last_step(folder / "series.csv")
+
+    def read(self, folder: Path, system: System) -> Trajectory:  # noqa: ARG002
+        """Read frames.h5 and series.csv."""
+        from postproc.readers.kernel import read_kernel
+
+        return read_kernel(folder)
+
+    def microseconds_per_step(self, system: System) -> float:
+        """Rough cost: 60 us dispatch + 0.2 us a disc with friction, 0.11 without (measured at N = 1936)."""
+        return 60.0 + (0.2 if system.sliding else 0.11) * len(system.particles)
+
+
+KERNELS = tuple(KernelEngine(convention=c) for c in ("lammps", "liggghts", "talk"))
+
+
+@cache
+def _source_digest() -> str:
+    """Hash of the kernel's own source: a run of yesterday's kernel is not a run of today's."""
+    import reference.kernel
+
+    sources = sorted(Path(reference.kernel.__file__).parent.rglob("*.py"))
+    return "src" + hashlib.sha256(b"".join(p.read_bytes() for p in sources)).hexdigest()[:10]
+
+
+def _judged(child: Child, time_limit: float) -> tuple[str, str]:
+    if child.timed_out:
+        return "timed_out", f"stopped after the time limit of {time_limit:g} s"
+    if child.returncode == UNSTABLE:
+        return "unstable", child.last_lines[-1] if child.last_lines else "stopped as unstable"
+    if child.returncode != 0:
+        return "crashed", f"ended by {child.signal or f'exit status {child.returncode}'}"
+    if not _report(child).get("finished"):
+        return "crashed", "ended without its finished marker"
+    return "completed", ""
+
+
+def _report(child: Child) -> dict:
+    try:
+        return json.loads(child.last_lines[-1])
+    except (IndexError, json.JSONDecodeError):
+        return {}

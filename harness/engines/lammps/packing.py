@@ -1,0 +1,101 @@
+"""The data file: particles, and one carrier atom for every loaded wall.
+
+Atom types tell the moments of inertia apart (LAMMPS integrates a group either as spheres or as
+discs); the last type is that of the carriers. Masses stand in a section of their own, because the
+density column of the Atoms section would round them.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from harness.engines.lammps.box import Box
+from harness.engines.lammps.text import comment, number, numbers
+from harness.scene.system import INERTIA_FACTOR, Loaded, System, Wall
+
+INTEGRATORS = {"sphere": "nve/sphere", "disc": "nve/sphere disc"}
+"""The moments of inertia LAMMPS can integrate, and how; "disc" in 2D only."""
+
+
+def loaded_walls(system: System) -> list[Wall]:
+    """Return the walls that have a mass; each one needs a carrier atom."""
+    return [w for w in system.walls if isinstance(w.motion, Loaded)]
+
+
+def carrier_id(system: System, wall: Wall) -> int:
+    """Return the atom id of a loaded wall's carrier: N+1, N+2, ..."""
+    return len(system.particles) + 1 + [w.name for w in loaded_walls(system)].index(wall.name)
+
+
+def rotates(system: System) -> bool:
+    """Can a contact turn a particle? Without friction spins stay what they are."""
+    return system.sliding is not None
+
+
+def kinds(system: System) -> dict[str, int]:
+    """Return atom type by kind of grain; one kind "grain" when nothing turns them."""
+    if not rotates(system):
+        return {"grain": 1}
+    factors = system.particles.inertia_factor
+    present = [k for k in INTEGRATORS if np.any(factors == INERTIA_FACTOR[k])]
+    return {kind: t for t, kind in enumerate(present, start=1)}
+
+
+def packing_data(system: System, box: Box) -> str:
+    """Return the text of packing.data."""
+    sections = [_header(system, box), "Atoms # sphere\n", *_atoms(system)]
+    if np.any(system.particles.v) or np.any(system.particles.spin):
+        sections += ["\nVelocities\n", *_velocities(system)]
+    sections += ["\nGrainMass\n", *_masses(system)]
+    return "\n".join(sections) + "\n"
+
+
+def _header(system: System, box: Box) -> str:
+    carriers = len(loaded_walls(system))
+    bounds = [
+        f"{number(low.position)} {number(high.position)} {a}lo {a}hi"
+        for a, (low, high) in zip("xyz", box.axes, strict=True)
+    ]
+    return "\n".join(
+        [
+            f"{comment(system.scene_name)}: {len(system.particles)} grains, {carriers} wall carriers",
+            "",
+            f"{len(system.particles) + carriers} atoms",
+            f"{len(kinds(system)) + bool(carriers)} atom types",
+            "",
+            *bounds,
+            "",
+        ]
+    )
+
+
+def _atoms(system: System) -> list[str]:
+    """Return rows: id, type, diameter, density, x, y, z; the density is replaced by the mass."""
+    p = system.particles
+    types = _types(system)
+    flat = " 0" if system.dimension == 2 else ""
+    rows = [
+        f"{i + 1} {types[i]} {number(2 * p.radius[i])} 1 {numbers(p.x[i])}{flat}" for i in range(len(p))
+    ]
+    carrier_type = len(kinds(system)) + 1
+    return rows + [f"{carrier_id(system, w)} {carrier_type} 0 1 0 0 0" for w in loaded_walls(system)]
+
+
+def _types(system: System) -> np.ndarray:
+    of_kind = kinds(system)
+    if not rotates(system):
+        return np.ones(len(system.particles), dtype=int)
+    factors = system.particles.inertia_factor
+    return sum(t * (factors == INERTIA_FACTOR[k]).astype(int) for k, t in of_kind.items())
+
+
+def _velocities(system: System) -> list[str]:
+    p = system.particles
+    flat, spin = (" 0", "0 0 ") if system.dimension == 2 else ("", "")
+    rows = [f"{i + 1} {numbers(p.v[i])}{flat} {spin}{numbers(p.spin[i])}" for i in range(len(p))]
+    return rows + [f"{carrier_id(system, w)} 0 0 0 0 0 0" for w in loaded_walls(system)]
+
+
+def _masses(system: System) -> list[str]:
+    rows = [f"{i + 1} {number(m)}" for i, m in enumerate(system.particles.mass)]
+    return rows + [f"{carrier_id(system, w)} {number(w.motion.mass)}" for w in loaded_walls(system)]

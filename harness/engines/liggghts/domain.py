@@ -1,0 +1,125 @@
+"""The domain: where LIGGGHTS keeps its atoms and mesh centres, which is not where the walls are.
+
+Faces are fixed (`f`) or periodic (`p`). A particle that leaves through a fixed face is lost and the
+run stops ("unstable"), so behind a wall there is little room, and on an open side there is as much
+as the particles can need: their greatest speed, from the whole energy in one of them, times the time.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.engines.liggghts.planes import anchor, is_periodic, meshes, reach
+from harness.scene.system import INERTIA_FACTOR, Constant, Cosine, Loaded, System, Wall
+
+ROOM_IN_RADII = 4.0
+"""Distance of a face from the wall before it, in largest radii."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Domain:
+    """bounds (3, 2) in m; styles: the words of `boundary`; discs: LIGGGHTS' own 2D mode, I = m r^2 / 2."""
+
+    bounds: np.ndarray
+    styles: str
+    discs: bool
+
+
+def rotates(system: System) -> bool:
+    """Can a contact turn a particle? Without friction spins stay what they are."""
+    return system.sliding is not None
+
+
+def domain_of(system: System) -> Domain:
+    """Return the domain of a system.
+
+    A 2D system runs in LIGGGHTS' 2D mode, unless its particles turn with the inertia of spheres:
+    then it is a 3D one that stays at z = 0, exactly.
+    """
+    dimension = system.dimension
+    bounds = np.array([_bounds(system, a) for a in range(dimension)])
+    styles = ["p" if is_periodic(system, a) else "f" for a in range(dimension)]
+    sphere = bool(np.all(system.particles.inertia_factor == INERTIA_FACTOR["sphere"]))
+    discs = dimension == 2 and not (rotates(system) and sphere)
+    if dimension == 2:
+        room = ROOM_IN_RADII * float(system.particles.radius.max())
+        half = 2.0 * reach(bounds, dimension) + room if discs else room
+        bounds = np.vstack([bounds, [-half, half]])
+        styles.append("p" if discs else "f")
+    return Domain(bounds=bounds, styles=" ".join(styles), discs=discs)
+
+
+def _bounds(system: System, axis: int) -> tuple[float, float]:
+    if is_periodic(system, axis):
+        return 0.0, system.periodic[axis]
+    p = system.particles
+    room = ROOM_IN_RADII * float(p.radius.max())
+    ends = [float((p.x[:, axis] - p.radius).min()), float((p.x[:, axis] + p.radius).max())]
+    ends += [w.point[axis] for side in (1.0, -1.0) for w in _walls_across(system, axis, side)]
+    extent = max(ends) - min(ends)
+    ends += [e for w in meshes(system) for e in _anchors(system, w, extent, axis)]
+    low, high = min(ends) - room, max(ends) + room
+    if not _walls_across(system, axis, 1.0):
+        low -= _flight(system, extent)
+    if not _walls_across(system, axis, -1.0):
+        high += _flight(system, extent)
+    return low, high
+
+
+def _walls_across(system: System, axis: int, sign: float) -> list[Wall]:
+    """Return the walls whose normal is exactly +-e_a: they bound the particles on that side."""
+    unit = sign * np.eye(system.dimension)[axis]
+    return [w for w in system.walls if np.array_equal(w.normal, unit)]
+
+
+def _anchors(system: System, wall: Wall, extent: float, axis: int) -> list[float]:
+    """Return where the centre of a mesh goes along an axis; a loaded wall gets the particles' extent."""
+    start, normal, time = anchor(system, wall)[axis], wall.normal[axis], system.steps * system.dt
+    motion = wall.motion
+    if isinstance(motion, Loaded):
+        return [start - extent * normal, start, start + extent * normal]
+    if isinstance(motion, Cosine):
+        return [start, start + motion.travel * normal]
+    if isinstance(motion, Constant):
+        return [start, start + motion.velocity[axis] * time]
+    return [start]
+
+
+def _flight(system: System, extent: float) -> float:
+    """Return how far a particle can fly: its own way, that of walls that push it, and free fall."""
+    time = system.steps * system.dt
+    gravity = 0.0 if system.gravity is None else math.hypot(*system.gravity)
+    speed = math.sqrt(2.0 * _energy(system, extent) / float(system.particles.mass.min()))
+    speed += 2.0 * sum(_wall_speed(w) for w in system.walls)
+    return speed * time + 0.5 * gravity * time**2
+
+
+def _energy(system: System, extent: float) -> float:
+    """Return the energy that could end in one particle: motion, spin, overlaps, work of loads, in J."""
+    p = system.particles
+    spin = float((p.inertia_factor * p.mass * p.radius**2 * (p.spin**2).sum(axis=1)).sum())
+    kinetic = float((p.mass * (p.v**2).sum(axis=1)).sum())
+    loads = sum(abs(w.motion.load) for w in system.walls if isinstance(w.motion, Loaded))
+    return 0.5 * (kinetic + spin) + _overlap_energy(system) + loads * extent
+
+
+def _overlap_energy(system: System) -> float:
+    """Return k_n/2 times the sum of squared overlaps, between particles and with walls."""
+    from scipy.spatial import cKDTree
+
+    p = system.particles
+    i, j = cKDTree(p.x).query_pairs(2.0 * p.radius.max(), output_type="ndarray").T
+    overlaps = [p.radius[i] + p.radius[j] - np.linalg.norm(p.x[i] - p.x[j], axis=1)]
+    overlaps += [p.radius - (p.x - w.point) @ np.array(w.normal) for w in system.walls]
+    return 0.5 * system.normal.normal_stiffness * sum(float((o.clip(min=0.0) ** 2).sum()) for o in overlaps)
+
+
+def _wall_speed(wall: Wall) -> float:
+    if isinstance(wall.motion, Constant):
+        return math.hypot(*wall.motion.velocity)
+    if isinstance(wall.motion, Cosine):
+        return abs(wall.motion.travel) * math.pi / (2.0 * wall.motion.duration)
+    return 0.0

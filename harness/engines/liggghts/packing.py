@@ -1,0 +1,57 @@
+"""The data file: particles, and one carrier atom for every wall with a mass.
+
+A carrier is no particle: it never moves and touches nothing, its velocity components only store the
+state of its wall (see `motions`).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from harness.engines.liggghts.domain import Domain
+from harness.engines.liggghts.law import type_count
+from harness.engines.text import comment, number, numbers
+from harness.scene.system import Loaded, System, Wall
+
+
+def loaded_walls(system: System) -> list[Wall]:
+    """Return the walls that have a mass."""
+    return [w for w in system.walls if isinstance(w.motion, Loaded)]
+
+
+def carrier_id(system: System, wall: Wall) -> int:
+    """Return the atom id of the carrier of a wall with a mass: N+1, N+2, ..."""
+    return len(system.particles) + 1 + [w.name for w in loaded_walls(system)].index(wall.name)
+
+
+def packing_data(system: System, domain: Domain) -> str:
+    """Return the text of packing.data."""
+    atoms = len(system.particles) + len(loaded_walls(system))
+    bounds = [f"{numbers(b)} {a}lo {a}hi" for a, b in zip("xyz", domain.bounds, strict=True)]
+    head = [f"{comment(system.scene_name)}: id, type, diameter, density, position", "",
+            f"{atoms} atoms", f"{type_count(system)} atom types", "", *bounds]
+    sections = [*head, "", "Atoms", "", *_atoms(system, domain)]
+    if np.any(system.particles.v) or np.any(system.particles.spin):
+        sections += ["", "Velocities", "", *_velocities(system)]
+    return "\n".join(sections) + "\n"
+
+
+def _atoms(system: System, domain: Domain) -> list[str]:
+    """Return rows; the density column is mass over the volume LIGGGHTS gives a disc or a sphere."""
+    p = system.particles
+    volume = np.pi * p.radius**2 if domain.discs else 4.0 / 3.0 * np.pi * p.radius**3
+    density = p.mass / volume
+    flat = " 0" if system.dimension == 2 else ""
+    rows = [
+        f"{i + 1} 1 {number(2 * p.radius[i])} {number(density[i])} {numbers(p.x[i])}{flat}"
+        for i in range(len(p))
+    ]
+    middle, size = numbers(domain.bounds.mean(axis=1)), number(2 * p.radius.min())
+    return rows + [f"{carrier_id(system, w)} 1 {size} {number(density.min())} {middle}" for w in loaded_walls(system)]
+
+
+def _velocities(system: System) -> list[str]:
+    p = system.particles
+    flat, spin = (" 0", "0 0 ") if system.dimension == 2 else ("", "")
+    rows = [f"{i + 1} {numbers(p.v[i])}{flat} {spin}{numbers(p.spin[i])}" for i in range(len(p))]
+    return rows + [f"{carrier_id(system, w)} 0 0 0 0 0 0" for w in loaded_walls(system)]

@@ -1,0 +1,82 @@
+"""What the harness asks of an engine, and the values that travel between them.
+
+An engine is one package below `harness.engines` with a module-level object that follows `Engine`;
+`harness.engines.registry` lists it. Nothing outside that package names a command of the engine.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, Protocol
+
+if TYPE_CHECKING:
+    from harness.scene.system import System
+    from postproc.trajectory import Trajectory
+
+Level = Literal["exact", "equivalent", "partial", "unsupported", "known_wrong"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Probe:
+    """Is the engine here? `detail` is the path or library when it is, how to get it when not."""
+
+    available: bool
+    version: str
+    detail: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Support:
+    """How an engine stands to one effect of a system; `note` names the mapping or the evidence."""
+
+    effect: str
+    level: Level
+    note: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunResult:
+    """What one child process did; the runs package makes the outcome from it.
+
+    status: "completed" only when the engine's own finished marker was found.
+    reason: one line, empty when completed. last_lines: the engine's own last words.
+    cpu_seconds: user + system time of the child; timings: seconds by phase, at least "run".
+    """
+
+    status: Literal["completed", "unstable", "crashed", "timed_out"]
+    reason: str
+    last_lines: tuple[str, ...]
+    cpu_seconds: float
+    wall_seconds: float
+    timings: dict[str, float] = field(default_factory=dict)
+
+
+class Engine(Protocol):
+    """One DEM code. All methods are pure but `run`, which works in the given folder only."""
+
+    name: str
+
+    def probe(self) -> Probe:
+        """Say whether the engine can run here, its version, and where it was found."""
+
+    def supports(self, system: System) -> tuple[Support, ...]:
+        """Judge every effect the system calls for."""
+
+    def render(self, system: System) -> dict[str, str]:
+        """Return deck files by name, deterministic, commented, 17 digits."""
+
+    def command(self, folder: Path) -> list[str]:
+        """Return the command that runs the deck in `folder`; what a user types to reproduce it."""
+
+    def run(self, folder: Path, *, time_limit: float) -> RunResult:
+        """Run the deck that stands in `folder`; never raises for what the engine does."""
+
+    def steps_done(self, folder: Path) -> int:
+        """Return the last step the running engine has reported, 0 if none: for progress bars."""
+
+    def read(self, folder: Path, system: System) -> Trajectory:
+        """Turn the engine's own output into a trajectory; raises ReadError on damaged files."""
+
+    def microseconds_per_step(self, system: System) -> float:
+        """Rough expected cost, for `grainproof scene`; a measured figure with its origin in the docstring."""

@@ -1,0 +1,43 @@
+"""The engines that there are. Adding one: a package with the protocol, and a line here."""
+
+from __future__ import annotations
+
+from harness.engines.kernel import KERNELS
+from harness.engines.lammps import LAMMPS
+from harness.engines.liggghts import LIGGGHTS
+from harness.engines.protocol import Engine
+from harness.errors import InputError
+
+ENGINES: dict[str, Engine] = {e.name: e for e in (LAMMPS, LIGGGHTS, *KERNELS)}
+
+KERNEL_PREFIX = "kernel:"
+
+
+def choose_engines(words: list[str]) -> tuple[Engine, ...]:
+    """Return the engines a user named; `kernel` stands for the kernel in the others' conventions.
+
+    The kernel is run once for every other chosen engine that is installed, in that engine's own
+    conventions, so that each code meets its match; alone it computes as the talks do.
+    Raises InputError for an unknown name.
+    """
+    chosen: list[Engine] = []
+    for word in dict.fromkeys(words):
+        if word == "kernel":
+            chosen += _kernels_for(words)
+        elif word in ENGINES:
+            chosen.append(ENGINES[word])
+        else:
+            raise InputError(file="--engines", expected=f"names out of {', '.join(['kernel', *ENGINES])}", got=word)
+    return tuple(dict.fromkeys(chosen))
+
+
+def find_engine(name: str) -> Engine:
+    """Return one engine by name (`kernel` alone is `kernel:talk`); raises InputError."""
+    (engine,) = choose_engines([name])
+    return engine
+
+
+def _kernels_for(words: list[str]) -> list[Engine]:
+    matches = [ENGINES[KERNEL_PREFIX + w] for w in words if KERNEL_PREFIX + w in ENGINES and w in ENGINES]
+    installed = [k for k in matches if ENGINES[k.name.removeprefix(KERNEL_PREFIX)].probe().available]
+    return installed or [ENGINES[KERNEL_PREFIX + "talk"]]

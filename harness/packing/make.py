@@ -1,0 +1,142 @@
+"""Make a frictionless packing at rest under pressure, or take it from the cache.
+
+Random radii, random loose insertion, affine compression to just below jamming, overlaps removed at
+constant size, then both right and top walls under the target pressure until forces balance
+(`reference.kernel.relax`). Deterministic in the seed; the cache key is everything that decides the
+result, and the cached file carries its own checksum.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from harness.errors import InputError
+from harness.packing.insertion import LOOSE, insert_loose
+from harness.scene.model import Preparation, RandomParticles
+
+METHOD = 1
+"""Version of the preparation; raising it makes every packing anew."""
+
+BELOW_JAMMING = 0.80
+"""Area fraction after the affine compression; random discs jam at about 0.84."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Packing:
+    """x: (N, 2), radius: (N,), box: (L_x, L_y) in m; residual and contacts as reached; `path` of the CSV."""
+
+    x: np.ndarray
+    radius: np.ndarray
+    box: tuple[float, float]
+    residual: float
+    contacts: int
+    path: Path
+
+    @property
+    def area_fraction(self) -> float:
+        """nu = sum pi a^2 / (L_x L_y)."""
+        return float(np.pi * (self.radius**2).sum() / (self.box[0] * self.box[1]))
+
+
+def make_packing(
+    particles: RandomParticles, preparation: Preparation, *, stiffness: float, seed: int, cache: Path,
+    scene_folder: Path,
+) -> Packing:
+    """Return the packing of this seed (or the relaxed packing of the file that the scene names).
+
+    Raises InputError when the packing cannot be brought to balance.
+    """
+    start = _file_bytes(particles, scene_folder)
+    key = {
+        "method": METHOD, "count": particles.count, "seed": seed, "stiffness": stiffness,
+        "radius": None if particles.radius is None else [particles.radius.min, particles.radius.max],
+        "pressure": preparation.pressure, "tolerance": preparation.residual_tolerance,
+        "file": None if start is None else hashlib.sha256(start).hexdigest(),
+    }
+    name = hashlib.sha256(json.dumps(key, sort_keys=True).encode()).hexdigest()[:16]
+    path = cache / f"packing-{name}.csv"
+    cached = _read_cached(path)
+    if cached is not None:
+        return cached
+    x, radius, box = _loose(particles, seed) if start is None else _from_file(particles, scene_folder)
+    return _store(path, key, _relaxed(x, radius, box, preparation, stiffness, particles), radius)
+
+
+def _loose(particles: RandomParticles, seed: int):
+    rng = np.random.default_rng(seed)
+    radius = rng.uniform(particles.radius.min, particles.radius.max, particles.count)
+    x, side = insert_loose(radius, rng)
+    shrink = float(np.sqrt(LOOSE / BELOW_JAMMING))
+    return x * shrink, radius, (side * shrink, side * shrink)
+
+
+def _from_file(particles: RandomParticles, scene_folder: Path):
+    from harness.scene.resolve import read_packing_file
+
+    x, radius = read_packing_file(scene_folder, particles.packing)
+    low = (x - radius[:, None]).min(axis=0)
+    x = x - low
+    return x.T, radius, tuple((x + radius[:, None]).max(axis=0))
+
+
+def _file_bytes(particles: RandomParticles, scene_folder: Path) -> bytes | None:
+    if particles.packing is None:
+        return None
+    path = scene_folder / particles.packing
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        raise InputError(file=path, expected="a packing file id,x,y,radius", got=error.strerror) from error
+
+
+def _relaxed(x, radius, box, preparation: Preparation, stiffness: float, particles: RandomParticles):
+    from reference.kernel.relax import NotRelaxed, relax_in_box
+
+    try:
+        if particles.packing is None:
+            spread = relax_in_box(x, radius, box, stiffness=stiffness, pressure=0.0, tolerance=1e-7)
+            x, box = spread.x, spread.box
+        return relax_in_box(
+            x, radius, box, stiffness=stiffness, pressure=preparation.pressure,
+            tolerance=preparation.residual_tolerance,
+        )
+    except NotRelaxed as error:
+        raise InputError(
+            file="packing", place="preparation", expected="a packing in balance at this pressure", got=error,
+            fix="raise preparation.residual_tolerance or change the seed",
+        ) from error
+
+
+def _store(path: Path, key: dict, relaxed, radius: np.ndarray) -> Packing:
+    from harness.runs.atomic import write_json_atomic, write_text_atomic
+
+    rows = np.column_stack([relaxed.x.T, radius])
+    lines = (",".join([str(k + 1), *(f"{v:.17g}" for v in row)]) for k, row in enumerate(rows))
+    text = "\n".join(["id,x,y,radius", *lines]) + "\n"
+    facts = {"key": key, "box": list(relaxed.box), "residual": relaxed.residual, "contacts": relaxed.contacts,
+             "sha256": hashlib.sha256(text.encode()).hexdigest()}
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_text_atomic(path, text)
+    write_json_atomic(path.with_suffix(".json"), facts)
+    return _read_cached(path)
+
+
+def _read_cached(path: Path) -> Packing | None:
+    """Return the cached packing, or None when it is missing or damaged (then it is made anew)."""
+    try:
+        text = path.read_bytes()
+        facts = json.loads(path.with_suffix(".json").read_text())
+    except (OSError, json.JSONDecodeError):
+        return None
+    if hashlib.sha256(text).hexdigest() != facts.get("sha256"):
+        return None
+    table = np.loadtxt(text.decode().splitlines()[1:], delimiter=",", ndmin=2)
+    return Packing(
+        x=table[:, 1:3], radius=table[:, 3], box=tuple(facts["box"]), residual=facts["residual"],
+        contacts=facts["contacts"], path=path,
+    )

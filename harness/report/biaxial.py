@@ -1,0 +1,244 @@
+"""What the report of a biaxial box shows: curves, growth, states at four strains, numbers."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from harness.report import figures
+from harness.report.page import Figure, Section
+from harness.studies.compare.biaxial_checks import MACRO, force_deviation
+
+if TYPE_CHECKING:
+    from harness.studies.compare.study import Comparison, Run
+
+SHOWN_STRAINS = (0.0, 0.011, 0.042, 0.091)
+"""Axial strains of the talk's pictures: 0, 1.1, 4.2 and 9.1 per cent."""
+
+
+def tables(comparison: Comparison) -> dict[str, list[dict]]:
+    """Rows by table name: curves sample by sample, state averages, macroscopic numbers."""
+    return {
+        "macro": macro_rows(comparison), "deviation": deviation_rows(comparison),
+        "curves": curve_rows(comparison), "states": state_rows(comparison), "growth": growth_rows(comparison),
+    }
+
+
+def sections(comparison: Comparison) -> list[Section]:
+    """The page's sections, without those for which no run completed."""
+    if not comparison.completed:
+        return []
+    return [
+        Section(heading="Numbers of the whole test", note=MACRO_NOTE, rows=macro_rows(comparison)),
+        Section(heading="Stress and volume against strain", figures=(_curves(comparison),)),
+        Section(heading="Do the codes agree?", note=DEVIATION_NOTE, rows=deviation_rows(comparison),
+                figures=(_growth(comparison),)),
+        Section(heading="Was it quasi-static?", figures=(_quasistatic(comparison),)),
+        Section(heading="Micro-macro averages", figures=(_states(comparison),)),
+        *_pictures(comparison),
+    ]
+
+
+MACRO_NOTE = (
+    "Stress ratios are formed from measured stresses, never from p_x. Stresses per unit thickness (N/m), volume strain "
+    "positive in compression. With one packing these numbers have no error bar: they are shown, not judged. "
+    "+- is the standard deviation over packings."
+)
+DEVIATION_NOTE = (
+    "Relative difference of the top-wall force up to the given axial strain (largest so far). kernel:lammps and "
+    "kernel:liggghts are the same NumPy kernel in the conventions of each code."
+)
+
+
+def macro_rows(comparison: Comparison) -> list[dict]:
+    """One row a quantity, one column an engine: the value, or mean +- spread over packings."""
+    macro = comparison.result.macro
+    engines = list(dict.fromkeys(e for e, _ in macro))
+    names = [n for n in MACRO if any(n in v for v in macro.values())]
+    return [
+        {"quantity": n, "unit": MACRO[n][0], **{e: _mean_and_spread([v[n] for (f, _), v in macro.items() if f == e])
+                                                for e in engines}}
+        for n in names
+    ]
+
+
+def _mean_and_spread(values: list[float]) -> str:
+    if len(values) == 1:
+        return f"{values[0]:.4g}"
+    return f"{np.mean(values):.4g} +- {np.std(values, ddof=1):.2g} (n = {len(values)})"
+
+
+STATIONS = (0.0001, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1)
+
+
+def deviation_rows(comparison: Comparison) -> list[dict]:
+    """One row a pair, one column a strain: the largest relative difference of the top force so far."""
+    curves = comparison.result.curves
+    pairs = [p for p in comparison.result.pairs if p.left in curves and p.right in curves]
+    return [{"left": p.left, "right": p.right, **_upto(curves[p.left], curves[p.right])} for p in pairs]
+
+
+def _upto(a, b) -> dict[str, float | None]:
+    deviation = force_deviation(a, b)
+    inside = {s: a.upto(s) for s in STATIONS if s <= a.strain[-1] * 1.0001}
+    return {f"{100 * s:g} %": float(deviation[m].max()) if m.any() else None for s, m in inside.items()}
+
+
+CURVES = ("strain", "stress_zz", "stress_xx", "ratio", "friction_angle", "volume_strain", "control_error",
+          "force_top", "force_bottom", "force_right", "x", "z", "time")
+
+
+def curve_rows(comparison: Comparison) -> list[dict]:
+    """One row an engine and sample."""
+    return [
+        {"engine": e, **{q: float(getattr(c, q)[k]) for q in CURVES}}
+        for e, c in comparison.result.curves.items() for k in range(len(c.step))
+    ]
+
+
+def state_rows(comparison: Comparison) -> list[dict]:
+    """One row an engine and frame."""
+    return [
+        {"engine": e, "strain": float(s.strain[k]), **{q: float(v[k]) for q, v in s.values.items()}}
+        for e, s in comparison.result.states.items() for k in range(len(s.strain))
+    ]
+
+
+def growth_rows(comparison: Comparison) -> list[dict]:
+    """One row a pair and frame."""
+    return [
+        {"pair": name, "time": float(t), "rms difference over diameter": float(d)}
+        for name, g in comparison.result.growth.items() for t, d in zip(g.time, g.difference, strict=True)
+    ]
+
+
+# --- figures -----------------------------------------------------------------------------------
+
+
+def _curves(comparison: Comparison) -> Figure:
+    figure, axes = figures.new_figure(1, 3, width=13, height=3.8)
+    for a, (quantity, label) in zip(axes[0], (
+        ("stress_zz", "σ_zz (N/m)"), ("friction_angle", "secant friction angle (°)"), ("volume_strain", "ε_V (compression > 0)"),
+    ), strict=True):
+        figures.draw_curves(a, comparison.result.curves, quantity, label)
+    axes[0, 0].legend(fontsize=7)
+    return Figure(uri=figures.png_uri(figure), caption=(
+        "Axial stress, mobilised friction angle and volume strain against axial strain, every engine from the same "
+        "packing. Curves lie on top of each other until chaos separates the runs."
+    ))
+
+
+def _growth(comparison: Comparison) -> Figure:
+    figure, axes = figures.new_figure(1, 2, width=12, height=4)
+    figures.draw_growth(axes[0, 0], comparison.result.growth)
+    _draw_force_deviation(axes[0, 1], comparison)
+    return Figure(uri=figures.png_uri(figure), caption=(
+        "Left: how positions part, from identical numbers at time 0. Right: the same in the force on the top wall; "
+        "short horizontal bars are the declared checks (tolerance up to that strain)."
+    ))
+
+
+def _draw_force_deviation(axes, comparison: Comparison) -> None:
+    curves = comparison.result.curves
+    for p in comparison.result.pairs:
+        if p.left in curves and p.right in curves:
+            a, b = curves[p.left], curves[p.right]
+            deviation = np.maximum(force_deviation(a, b)[1:], 1e-17)
+            axes.loglog(100 * a.strain[1:], deviation, lw=0.9, label=f"{p.left} - {p.right}")
+    for w in comparison.scene.compare.windows:
+        axes.plot([5e-5 * 100, 100 * w.strain], [w.tolerance] * 2, color="#444444", lw=2, alpha=0.6)
+    axes.set_xlim(left=1e-4)
+    axes.set_xlabel("axial strain (%)")
+    axes.set_ylabel("relative difference of top force")
+    axes.grid(alpha=0.3)
+    axes.legend(fontsize=7)
+
+
+def _quasistatic(comparison: Comparison) -> Figure:
+    figure, axes = figures.new_figure(1, 3, width=13, height=3.6)
+    result = comparison.result
+    figures.draw_curves(axes[0, 0], result.curves, "control_error", "(F_x - p_x z)/(p_x z) (%)", scale=100.0)
+    axes[0, 0].legend(fontsize=7)
+    for a, quantity in zip(axes[0, 1:], ("kinetic over elastic energy", "largest residual force"), strict=True):
+        figures.draw_states(a, result.states, quantity, quantity)
+        a.set_yscale("log")
+    return Figure(uri=figures.png_uri(figure), caption=(
+        "Left: error of the stress-controlled side wall. Middle: kinetic over elastic energy. Right: largest net force "
+        "on a particle over the mean contact force. After the peak the sample deforms in bursts."
+    ))
+
+
+def _states(comparison: Comparison) -> Figure:
+    wanted = ("volume fraction, inner", "coordination number", "coordination number without rattlers",
+              "fabric deviator, inner", "friction angle, inner", "sigma_zz from contacts")
+    figure, axes = figures.new_figure(2, 3, width=13, height=6.6)
+    for a, quantity in zip(axes.ravel(), wanted, strict=True):
+        figures.draw_states(a, comparison.result.states, quantity, quantity)
+    axes[0, 0].legend(fontsize=7)
+    return Figure(uri=figures.png_uri(figure), caption=(
+        "Averages of the independent post-processor from particles and contacts; \"inner\" leaves out a border layer."
+    ))
+
+
+def _pictures(comparison: Comparison) -> list[Section]:
+    """Force chains and rotations at the talk's four strains, one row an engine."""
+    runs = [r for r in comparison.completed if r.packing == 0 and r.trajectory.frames[0].contacts is not None]
+    if not runs:
+        return []
+    return [
+        Section(heading="Force chains", figures=(_chains(runs, comparison),)),
+        Section(heading="Particle rotations", figures=(_rotations(runs, comparison),)),
+    ]
+
+
+def _chosen_frames(run: Run, comparison: Comparison) -> list[int]:
+    strain = comparison.result.states[run.engine].strain
+    return [int(np.argmin(np.abs(strain - s))) for s in SHOWN_STRAINS]
+
+
+def _chains(runs: list[Run], comparison: Comparison) -> Figure:
+    figure, axes = figures.new_figure(len(runs), 4, width=13, height=3.3 * len(runs))
+    width = _typical_force(runs[0], _chosen_frames(runs[0], comparison)[-1])
+    for row, run in zip(axes, runs, strict=True):
+        for a, k in zip(row, _chosen_frames(run, comparison), strict=True):
+            figures.draw_force_chains(a, run.trajectory.frames[k], full_width=width)
+            a.set_title(_panel_title(run, k, comparison), fontsize=8)
+    return Figure(uri=figures.png_uri(figure, dpi=90), caption=(
+        f"Contact forces at the frames nearest to the talk's four strains; a line 3 points wide carries {width:.2g} N."
+    ))
+
+
+def _typical_force(run: Run, frame: int) -> float:
+    c = run.trajectory.frames[frame].contacts
+    return 4.0 * float(np.hypot(c["fx"], c["fy"]).mean())
+
+
+def _rotations(runs: list[Run], comparison: Comparison) -> Figure:
+    figure, axes = figures.new_figure(len(runs), 4, width=13, height=3.3 * len(runs))
+    turned = {r.engine: accumulated_rotation(r) for r in runs}
+    limit = float(np.percentile(np.abs(turned[runs[0].engine][-1]), 95)) or 1.0
+    for row, run in zip(axes, runs, strict=True):
+        for a, k in zip(row, _chosen_frames(run, comparison), strict=True):
+            discs = figures.draw_rotations(a, run.trajectory.frames[k], turned[run.engine][k], limit)
+            a.set_title(_panel_title(run, k, comparison), fontsize=8)
+    figure.colorbar(discs, ax=axes, shrink=0.6, label="rotation since the start (°), counter-clockwise > 0")
+    return Figure(uri=figures.png_uri(figure, dpi=90), caption=ROTATION_CAPTION)
+
+
+ROTATION_CAPTION = (
+    "Rotation of every disc since the start: its spin integrated over time by the trapezoidal rule on the recorded frames, so "
+    "bursts shorter than a frame's distance are smeared."
+)
+
+
+def accumulated_rotation(run: Run) -> np.ndarray:
+    """Return degrees turned since the first frame, (F, N), trapezoidal over frames."""
+    spin = np.array([f.particles["wz"] for f in run.trajectory])
+    time = np.array([f.time for f in run.trajectory])
+    increments = 0.5 * (spin[1:] + spin[:-1]) * np.diff(time)[:, None]
+    return np.degrees(np.vstack([np.zeros(spin.shape[1]), np.cumsum(increments, axis=0)]))
+
+
+def _panel_title(run: Run, frame: int, comparison: Comparison) -> str:
+    return f"{run.engine}, ε = {100 * comparison.result.states[run.engine].strain[frame]:.1f} %"

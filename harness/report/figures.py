@@ -1,0 +1,116 @@
+"""Figures of the compare report; every function draws on axes that it is given and returns nothing."""
+
+from __future__ import annotations
+
+import base64
+import io
+from collections.abc import Mapping
+
+import numpy as np
+
+from postproc.snapshot import Snapshot
+
+COLOURS = {"lammps": "#1b6ca8", "liggghts": "#c8553d", "kernel:lammps": "#3fa34d", "kernel:liggghts": "#8e5ea2",
+           "kernel:talk": "#3fa34d"}
+STYLES = {"lammps": "-", "liggghts": "-", "kernel:lammps": "--", "kernel:liggghts": ":", "kernel:talk": "--"}
+
+
+def new_figure(rows: int, columns: int, *, width: float, height: float):
+    """Return a figure and its axes (rows, columns), with the Agg canvas: no screen is needed."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure, figure.subplots(rows, columns, squeeze=False)
+
+
+def png_uri(figure, *, dpi: int = 110) -> str:
+    """Return the figure as a data URI, so that the page needs no other file."""
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=dpi)
+    return "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode()
+
+
+def line_style(engine: str) -> dict:
+    """One look for an engine in all figures."""
+    return {"color": COLOURS.get(engine, "#555555"), "linestyle": STYLES.get(engine, "-"), "lw": 1.2, "label": engine}
+
+
+def draw_curves(axes, curves: Mapping[str, object], quantity: str, label: str, *, scale: float = 1.0) -> None:
+    """Draw an attribute of every engine's curves against axial strain in per cent."""
+    for engine, c in curves.items():
+        axes.plot(100 * c.strain, scale * getattr(c, quantity), **line_style(engine))
+    axes.set_xlabel("axial strain (%)")
+    axes.set_ylabel(label)
+    axes.grid(alpha=0.3)
+
+
+def draw_states(axes, states: Mapping[str, object], quantity: str, label: str) -> None:
+    """Draw a frame average of every engine against axial strain in per cent."""
+    for engine, s in states.items():
+        if quantity in s.values:
+            axes.plot(100 * s.strain, s.values[quantity], marker=".", ms=3, **line_style(engine))
+    axes.set_xlabel("axial strain (%)")
+    axes.set_ylabel(label)
+    axes.grid(alpha=0.3)
+
+
+def draw_growth(axes, growth: Mapping[str, object]) -> None:
+    """Draw rms differences between runs against time, logarithmic; exact zeros cannot be shown."""
+    for name, g in growth.items():
+        shown = g.difference > 0
+        axes.semilogy(1e3 * g.time[shown], g.difference[shown], marker=".", ms=3, lw=1, label=name)
+    axes.set_xlabel("time (ms)")
+    axes.set_ylabel("rms |Δx| / mean diameter")
+    axes.grid(alpha=0.3, which="both")
+    axes.legend(fontsize=7)
+
+
+def draw_force_chains(axes, frame: Snapshot, *, full_width: float) -> None:
+    """Draw every contact as a line between centres (or to the wall), width by its normal force.
+
+    full_width: the force (N) drawn three points wide, the same for all panels of a figure.
+    """
+    from matplotlib.collections import LineCollection
+
+    start, end, force = contact_lines(frame)
+    axes.add_collection(LineCollection(
+        np.stack([start, end], axis=1), linewidths=np.minimum(3.0 * force / full_width, 4.0), colors="#222222",
+    ))
+    _box_view(axes, frame)
+
+
+def draw_rotations(axes, frame: Snapshot, rotation: np.ndarray, limit: float):
+    """Draw the discs coloured by accumulated rotation in degrees, red counter-clockwise; return the artist."""
+    from matplotlib.collections import EllipseCollection
+
+    p = frame.particles
+    diameter = 2e3 * p["radius"]
+    discs = EllipseCollection(
+        diameter, diameter, np.zeros_like(diameter), units="x", offsets=1e3 * p.vector("x", "y"),
+        transOffset=axes.transData, array=rotation, cmap="RdBu_r", edgecolors="none",
+    )
+    discs.set_clim(-limit, limit)
+    axes.add_collection(discs)
+    _box_view(axes, frame)
+    return discs
+
+
+def contact_lines(frame: Snapshot) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return start and end (C, 2) in mm and |f| (C,) of all contacts of a 2D frame."""
+    c, centre = frame.contacts, frame.particles.vector("x", "y")
+    i, j = c["i"].astype(int) - 1, c["j"].astype(int)
+    end = np.where((j > 0)[:, None], centre[np.maximum(j, 1) - 1], c.vector("px", "py"))
+    return 1e3 * centre[i], 1e3 * end, np.hypot(c["fx"], c["fy"])
+
+
+def _box_view(axes, frame: Snapshot) -> None:
+    low, high = 1e3 * np.asarray(frame.box).T
+    margin = 0.02 * (high - low).max()
+    axes.set_xlim(low[0] - margin, high[0] + 5 * margin)
+    axes.set_ylim(low[1] - margin, high[1] + margin)
+    axes.plot([low[0], high[0], high[0], low[0], low[0]], [low[1], low[1], high[1], high[1], low[1]], color="#888888", lw=0.8)
+    axes.set_aspect("equal")
+    axes.set_xticks([])
+    axes.set_yticks([])

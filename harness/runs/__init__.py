@@ -1,0 +1,1 @@
+"""Runs: folders named by content, outcomes as values, one run, many runs."""

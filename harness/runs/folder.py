@@ -1,0 +1,192 @@
+"""A run's folder, named by everything that decides the run's result.
+
+Layout below the root of all runs::
+
+    <scene_name>-<engine>-<hash12>/
+        identity.json     what was hashed: system, packing, engine, version, schema
+        <deck files>      as the engine rendered them
+        <native output>   the engine's own log and dumps
+        trajectory.h5     the run in neutral form
+        outcome.json      written last: without it the run is unfinished
+    .locks/               one lock file a run; a process that finds it taken waits
+"""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import json
+import logging
+import os
+import re
+import shutil
+import time
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from harness import SCHEMA
+from harness.engines.child import raise_if_stopping
+from harness.runs.atomic import write_json_atomic
+from harness.runs.outcome import Damaged, FileRecord, Outcome, read_outcome
+
+if TYPE_CHECKING:
+    from harness.scene.system import System
+
+log = logging.getLogger(__name__)
+
+LOCK_POLL = 0.1
+"""Seconds between two looks at a taken lock; a blocking wait could not be interrupted."""
+
+
+def runs_root(out: Path | None = None) -> Path:
+    """Return where runs are kept: below `out` if given, else in the user's cache folder.
+
+    The cache folder is $GRAINPROOF_CACHE, or grainproof in $XDG_CACHE_HOME or ~/.cache.
+    """
+    if out is not None:
+        return Path(out).absolute() / "runs"
+    own = os.environ.get("GRAINPROOF_CACHE")
+    general = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return (Path(own) if own else Path(general) / "grainproof").absolute() / "runs"
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunFolder:
+    """One run's folder; it need not exist. `identity` is what its name is the hash of."""
+
+    root: Path
+    name: str
+    identity: Mapping[str, object]
+
+    @staticmethod
+    def of(root: Path, system: System, engine: str, version: str) -> RunFolder:
+        """Return the folder of `system` run by this version of `engine`."""
+        identity = {"system": system.identity(), "engine": engine, "version": version, "schema": SCHEMA}
+        digest = hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()
+        readable = re.sub(r"[^A-Za-z0-9_.]+", "_", system.scene_name)[:40].lstrip(".") or "scene"
+        return RunFolder(root=Path(root).absolute(), name=f"{readable}-{engine}-{digest[:12]}", identity=identity)
+
+    @property
+    def path(self) -> Path:
+        """The folder."""
+        return self.root / self.name
+
+    @property
+    def outcome(self) -> Path:
+        """outcome.json, the mark of a finished run."""
+        return self.path / "outcome.json"
+
+    @property
+    def trajectory(self) -> Path:
+        """trajectory.h5, of completed runs only."""
+        return self.path / "trajectory.h5"
+
+    @contextmanager
+    def lock(self) -> Iterator[None]:
+        """Own the folder against other threads and processes; freed even when the owner is killed.
+
+        Raises harness.engines.child.Stopped when the harness stops while it waits.
+        """
+        file = self.root / ".locks" / f"{self.name}.lock"
+        file.parent.mkdir(parents=True, exist_ok=True)
+        with open(file, "a") as handle:
+            if not _try_lock(handle):
+                log.warning("%s: busy with the same run elsewhere, waiting for it", self.name)
+                while not _try_lock(handle):
+                    raise_if_stopping()
+                    time.sleep(LOCK_POLL)
+            yield
+
+    def prepare(self, deck: Mapping[str, str]) -> None:
+        """Make the folder anew with nothing but the deck in it.
+
+        An old folder is renamed before it is deleted: it is gone at once or still whole, and an
+        engine that outlived a killed harness goes on writing into the one to be deleted.
+        """
+        if self.path.exists():
+            trash = self.root / ".trash" / f"{self.name}-{time.time_ns()}"
+            trash.parent.mkdir(exist_ok=True)
+            os.replace(self.path, trash)
+            shutil.rmtree(trash, ignore_errors=True)
+        self.path.mkdir(parents=True)
+        write_json_atomic(self.path / "identity.json", self.identity)
+        for name, text in deck.items():
+            file = self.path / name
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(text, encoding="utf-8", newline="\n")
+
+    def completed(self, deck: Mapping[str, str]) -> Outcome | None:
+        """Return the outcome if the run of this deck is completed and undamaged, else None.
+
+        What is found damaged or out of date is reported in one line; it is then to be redone.
+        """
+        try:
+            outcome = self.read()
+        except Damaged as error:
+            log.warning("%s: %s; run again", self.name, error)
+            return None
+        if outcome is None or outcome.status != "completed":
+            return None
+        if outcome.deck_digest != deck_digest(deck):
+            log.warning("%s: the deck has changed since this run; run again", self.name)
+            return None
+        return outcome
+
+    def read(self) -> Outcome | None:
+        """Return the outcome, None if the run is unfinished. Raises Damaged."""
+        try:
+            outcome = read_outcome(self.outcome)
+        except (FileNotFoundError, NotADirectoryError):
+            return None
+        if outcome.trajectory is not None:
+            _verify(self.trajectory, outcome.trajectory)
+        return outcome
+
+
+def deck_digest(deck: Mapping[str, str]) -> str:
+    """SHA-256 of the deck's file names and texts."""
+    return hashlib.sha256(json.dumps(dict(deck), sort_keys=True).encode()).hexdigest()
+
+
+def record_file(path: Path) -> FileRecord:
+    """Return size and SHA-256 of a file."""
+    with open(path, "rb") as f:
+        return FileRecord(size=os.fstat(f.fileno()).st_size, sha256=hashlib.file_digest(f, "sha256").hexdigest())
+
+
+def list_runs(root: Path) -> list[tuple[Path, Outcome | None, str]]:
+    """Return folder, outcome and a note for every run below `root`, sorted by name.
+
+    The outcome is None where the run is unfinished or damaged; then the note says which.
+    """
+    return [(p.parent, *_peek(p.parent)) for p in sorted(Path(root).glob("[!.]*/identity.json"))]
+
+
+def _peek(path: Path) -> tuple[Outcome | None, str]:
+    try:
+        outcome = RunFolder(root=path.parent, name=path.name, identity={}).read()
+    except Damaged as error:
+        return None, str(error)
+    return (outcome, "") if outcome else (None, "unfinished")
+
+
+def _verify(path: Path, record: FileRecord) -> None:
+    """Compare with what was recorded when the file had just been written and read back."""
+    if not path.exists():
+        raise Damaged(f"{path.name} is missing")
+    size = path.stat().st_size
+    if size != record.size:
+        raise Damaged(f"{path.name} has {size} bytes, {record.size} were written")
+    if record_file(path) != record:
+        raise Damaged(f"{path.name} is not what was written (SHA-256 differs)")
+
+
+def _try_lock(handle) -> bool:
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    return True

@@ -1,0 +1,142 @@
+"""How a run ended, as a value: status, why, with what, on which machine, at what cost."""
+
+from __future__ import annotations
+
+import math
+import os
+import platform
+from datetime import datetime
+from functools import cache
+from pathlib import Path
+from typing import Literal
+
+import msgspec
+import numpy as np
+
+from harness.runs.atomic import write_text_atomic
+
+Status = Literal["completed", "unstable", "crashed", "timed_out", "unsupported", "unavailable"]
+
+
+class Damaged(Exception):
+    """A file of a run folder is not what it should be; the message names it and says how."""
+
+
+class Host(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """The machine and the Python that ran it; `cores` are those this process may use."""
+
+    cpu_model: str
+    cores: int
+    os: str
+    python: str
+    numpy: str
+
+
+class FileRecord(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What a file was when it was written: size in bytes, SHA-256 in hexadecimal digits."""
+
+    size: int
+    sha256: str
+
+
+class Outcome(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What became of one run. Times are in seconds, `started` and `finished` in UTC.
+
+    reason: one line, empty when completed. partial: effects the engine computes only partially.
+    deck_digest: SHA-256 of the rendered deck; an outcome of another deck is out of date.
+    timings: by phase, a phase that was not timed is absent: "render", "read", "write" are the
+    harness's own; "run" and, where the engine tells, "setup" and "output" are the engine's.
+    cpu_seconds (user + system of the engine's process) and wall_seconds are None if it never ran.
+    load_average: runnable processes of the machine at the start; times of a busy machine mislead.
+    native: what became of the engine's own output. trajectory: recorded for completed runs only.
+    """
+
+    status: Status
+    reason: str
+    scene_name: str
+    engine: str
+    engine_version: str
+    harness_version: str
+    host: Host
+    system_digest: str
+    particles_digest: str
+    steps: int
+    particles: int
+    started: datetime
+    finished: datetime
+    load_average: float
+    steps_done: int = 0
+    partial: tuple[str, ...] = ()
+    deck_digest: str | None = None
+    timings: dict[str, float] = {}
+    cpu_seconds: float | None = None
+    wall_seconds: float | None = None
+    last_lines: tuple[str, ...] = ()
+    reproduce: str = ""
+    native: str = ""
+    trajectory: FileRecord | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse what no run can have; raises ValueError."""
+        if (self.status == "completed") != (self.trajectory is not None):
+            raise ValueError("a trajectory belongs to a completed run and to no other")
+        if (self.status == "completed") != (not self.reason):
+            raise ValueError("a reason belongs to every run but a completed one")
+        if not all(math.isfinite(t) and t >= 0 for t in self.timings.values()):
+            raise ValueError(f"timings must be finite and >= 0, got {self.timings}")
+
+
+def write_outcome(path: Path, outcome: Outcome) -> None:
+    """Write atomically; the file's presence says that everything beside it is complete."""
+    write_text_atomic(path, msgspec.json.format(msgspec.json.encode(outcome).decode(), indent=2) + "\n")
+
+
+def read_outcome(path: Path) -> Outcome:
+    """Read what `write_outcome` wrote. Raises Damaged on anything else, FileNotFoundError if absent."""
+    try:
+        return msgspec.json.decode(path.read_bytes(), type=Outcome)
+    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        raise Damaged(f"{path.name} is damaged: {error}") from error
+
+
+def describe_outcome(outcome: Outcome) -> str:
+    """Say in one line what happened; for a failed run it ends with the command that repeats it."""
+    head = f"{outcome.scene_name}, {outcome.engine} {outcome.engine_version}: {outcome.status}"
+    tail = f"; partial: {', '.join(outcome.partial)}" if outcome.partial else ""
+    if outcome.status == "completed":
+        line = f"{head}, {outcome.steps} steps, {outcome.particles} particles, {_times(outcome)}{tail}"
+    elif outcome.status in ("unsupported", "unavailable"):
+        line = f"{head}: {outcome.reason}"
+    else:
+        where = f"after step {outcome.steps_done} of {outcome.steps}"
+        words = f"; last words: {outcome.last_lines[-1]}" if outcome.last_lines else ""
+        line = f"{head} {where}: {outcome.reason}{words}{tail}; reproduce: {outcome.reproduce}"
+    return " ".join(line.split())
+
+
+def _times(outcome: Outcome) -> str:
+    return f"{outcome.wall_seconds:.3g} s (cpu {outcome.cpu_seconds:.3g} s)"
+
+
+@cache
+def host_facts() -> Host:
+    """Return the facts of this machine."""
+    return Host(
+        cpu_model=_cpu_model(),
+        cores=usable_cores(),
+        os=platform.platform(),
+        python=platform.python_version(),
+        numpy=np.__version__,
+    )
+
+
+def usable_cores() -> int:
+    """Return the number of cores this process may run on, which a batch system can limit."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _cpu_model() -> str:
+    cpuinfo = Path("/proc/cpuinfo")
+    lines = cpuinfo.read_text(errors="replace").splitlines() if cpuinfo.exists() else []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor() or platform.machine()

@@ -1,0 +1,180 @@
+"""Many runs side by side: longest first, one failure ends nothing, an interrupt ends everything at once.
+
+Threads suffice by default: an engine computes in its own process, the thread only waits. Reading
+output does compute in the thread; where that dominates give a `ProcessPoolExecutor` (engines and
+systems must pickle) or a cluster's executor: anything that follows `concurrent.futures.Executor`.
+"""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Iterable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from harness.engines.child import children_stopped
+from harness.runs.execute import run_one
+from harness.runs.folder import RunFolder
+from harness.runs.native import NativePolicy
+from harness.runs.outcome import Outcome, describe_outcome, usable_cores
+from harness.runs.progress import Progress, Silent
+
+if TYPE_CHECKING:
+    from harness.engines.protocol import Engine, Probe
+    from harness.scene.system import System
+
+POLL = 1.0
+"""Seconds between two looks at the engines' progress."""
+
+
+class Job(NamedTuple):
+    """A run to be made; `label` is how the caller and the progress display call it."""
+
+    label: str
+    engine: Engine
+    system: System
+
+
+class Done(NamedTuple):
+    """A run that was made, or reused, or refused."""
+
+    label: str
+    outcome: Outcome
+    folder: Path
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Planned:
+    number: int
+    job: Job
+    probe: Probe
+    folder: RunFolder
+    cost: float
+
+    def fraction(self) -> float:
+        """Return the part of the steps that is done, 0 while the engine's table cannot be read."""
+        try:
+            return min(1.0, self.job.engine.steps_done(self.folder.path) / self.job.system.steps)
+        except (OSError, ValueError):
+            return 0.0
+
+
+def run_many(
+    jobs: Iterable[tuple[str, Engine, System]], root: Path, *, time_limit: float, workers: int | None = None,
+    executor: Executor | None = None, progress: Progress | None = None, force: bool = False,
+    native: NativePolicy = "gzip",
+) -> list[Done]:
+    """Run all jobs (label, engine, system) by `run_one`; return what became of them in the order given.
+
+    workers: how many at a time, the number of usable cores unless given; an `executor` has its own.
+    progress: see `harness.runs.progress.progress_for`; nothing is shown without.
+
+    On an interrupt (Ctrl-C, SIGTERM, SIGHUP) nothing more is started, engines are killed and their
+    folders stay unfinished; output that is just being read is kept; then KeyboardInterrupt or
+    SystemExit goes on. An executor of other processes has to see to its own engines: Ctrl-C in a
+    terminal reaches them, a signal to this process alone does not.
+    Errors of the harness are raised together, as ExceptionGroup, once all other jobs are done; the
+    runs of those are on disk.
+    """
+    plan = _plan([Job(*job) for job in jobs], Path(root))
+    progress = progress or Silent()
+    workers = max(1, min(workers or usable_cores(), len(plan)))
+    futures: dict[Future, _Planned] = {}
+    with _terminable(), nullcontext(executor) if executor else ThreadPoolExecutor(workers) as pool:
+        try:
+            progress.begin([p.job.label for p in plan], [p.cost for p in plan])
+            for p in sorted(plan, key=lambda p: -p.cost):
+                futures[_submit(pool, p, root, time_limit=time_limit, force=force, native=native)] = p
+            _watch(futures, progress)
+        except BaseException:
+            _stop(futures)
+            raise
+        finally:
+            progress.end()
+    return _collect(futures)
+
+
+def _plan(jobs: list[Job], root: Path) -> list[_Planned]:
+    """Ask each engine once for its version; the folder follows from it, and with it the progress."""
+    probes = {id(engine): engine.probe() for engine in {id(j.engine): j.engine for j in jobs}.values()}
+    return [
+        _Planned(
+            number=number,
+            job=job,
+            probe=probes[id(job.engine)],
+            folder=RunFolder.of(root, job.system, job.engine.name, probes[id(job.engine)].version),
+            cost=job.engine.microseconds_per_step(job.system) * job.system.steps,
+        )
+        for number, job in enumerate(jobs)
+    ]
+
+
+def _submit(pool: Executor, planned: _Planned, root: Path, **options) -> Future:
+    return pool.submit(run_one, planned.job.engine, planned.job.system, root, probe=planned.probe, **options)
+
+
+def _watch(futures: dict[Future, _Planned], progress: Progress) -> None:
+    """Tell `progress` what happens until all are done."""
+    pending = set(futures)
+    while pending:
+        done, pending = wait(pending, timeout=POLL, return_when=FIRST_COMPLETED)
+        for future in done:
+            progress.done(futures[future].number, _last_words(future, futures[future].job.label))
+        for future in pending:
+            if future.running():
+                progress.running(futures[future].number, futures[future].fraction())
+
+
+def _last_words(future: Future, label: str) -> str:
+    error = future.exception()
+    if error is None:
+        return f"{label}: {describe_outcome(future.result()[0])}"
+    if isinstance(error, KeyboardInterrupt):  # a worker process met the interrupt first
+        raise error
+    return f"{label}: error in the harness: {type(error).__name__}: {error}"
+
+
+def _stop(futures: dict[Future, _Planned]) -> None:
+    begun = [future for future in futures if not future.cancel()]
+    with children_stopped():
+        wait(begun)
+
+
+def _collect(futures: dict[Future, _Planned]) -> list[Done]:
+    errors, results = [], {}
+    for future, planned in futures.items():
+        error = future.exception()
+        if error is None:
+            results[planned.number] = Done(planned.job.label, *future.result())
+        else:
+            error.add_note(f"in job '{planned.job.label}', folder {planned.folder.path}")
+            errors.append(error)
+    if errors:
+        raise BaseExceptionGroup(f"{len(errors)} of {len(futures)} jobs met an error of the harness", errors)
+    return [results[number] for number in sorted(results)]
+
+
+@contextmanager
+def _terminable() -> Iterator[None]:
+    """Let SIGTERM and SIGHUP unwind like Ctrl-C, so that no engine is left computing for nobody.
+
+    Signals that somebody handles or ignores (nohup) are left alone; only the main thread may ask.
+    """
+    ours = []
+    if threading.current_thread() is threading.main_thread():
+        ours = [s for s in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(s) is signal.SIG_DFL]
+    for number in ours:
+        signal.signal(number, _exit_by_signal)
+    try:
+        yield
+    finally:
+        for number in ours:
+            signal.signal(number, signal.SIG_DFL)
+
+
+def _exit_by_signal(number: int, frame: object) -> None:  # noqa: ARG001 (signal's own signature)
+    raise SystemExit(128 + number)

@@ -1,0 +1,1 @@
+"""The scene as typed, frozen data: TOML in, one clear error out, effects and numbers resolved."""

@@ -1,0 +1,278 @@
+"""What several numbers of a scene must obey together: one small function each, in a list a kind.
+
+A check yields the faults it finds; a scene is refused with the first. What one number must obey
+stands in the schema; time step and outputs in `harness.scene.numerics`; the places of the
+particles in `harness.scene.placement`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+
+from harness.scene.describe import nearest
+from harness.scene.fault import Fault, show
+from harness.scene.files import name_fault
+from harness.scene.model import Biaxial, ConstantMotion, CosineMotion, Free, Plane, Scene
+from reference.values import published_values
+
+Check = Callable[[Scene], Iterator[Fault]]
+
+SAMPLED_TIMES = 1001
+"""Instants at which the gap of two moving walls is looked at."""
+
+
+def first_fault(scene: Scene, folder: Path) -> Fault | None:
+    """Return the first fault of the scene, whose file lies in `folder`; None if there is none."""
+    faults = (fault for check in CHECKS[type(scene)] for fault in check(scene))
+    return next(faults, None) or _file_fault(scene, folder)
+
+
+# --- both kinds ------------------------------------------------------------------------------
+
+
+def sliding_is_on(scene: Scene) -> Iterator[Fault]:
+    """Friction zero is no friction: then the table must go, and with it history and torques."""
+    sliding = scene.contact.sliding
+    if sliding is not None and sliding.shear_friction == 0:
+        yield Fault(
+            place="contact.sliding.shear_friction", expected="a number > 0", got="0",
+            fix="remove the table contact.sliding: an effect that is off does not exist",
+        )
+
+
+# --- biaxial ---------------------------------------------------------------------------------
+
+
+def particles_given_once(scene: Biaxial) -> Iterator[Fault]:
+    """Either count, radius and seed, or a packing file."""
+    p = scene.particles
+    drawn = {"count": p.count, "radius": p.radius, "seed": p.seed}
+    given = [name for name, value in drawn.items() if value is not None]
+    if p.packing is not None and given:
+        yield Fault(
+            place=f"particles.{given[0]}", expected="nothing beside particles.packing", got=show(drawn[given[0]])
+            if given[0] != "radius" else "a table", fix="remove it, or remove packing",
+        )
+    missing = [name for name in drawn if name not in given]
+    if p.packing is None and missing:
+        yield Fault(
+            place=f"particles.{missing[0]}", expected="count, radius and seed, or packing", got="nothing",
+            fix=f"add {missing[0]}",
+        )
+
+
+def radii_in_order(scene: Biaxial) -> Iterator[Fault]:
+    """Smallest radius first."""
+    radius = scene.particles.radius
+    if radius is not None and radius.min > radius.max:
+        yield Fault(
+            place="particles.radius.max", expected=f"a number >= particles.radius.min = {radius.min:g}",
+            got=f"{radius.max:g}",
+        )
+
+
+def one_packing_of_a_file(scene: Biaxial) -> Iterator[Fault]:
+    """Several packings differ by their seed; a file has none."""
+    if scene.particles.packing is not None and scene.compare.packings > 1:
+        yield Fault(
+            place="compare.packings", expected="1, as particles.packing is one packing",
+            got=str(scene.compare.packings), fix="give count, radius and seed for several",
+        )
+
+
+def windows_within_strain(scene: Biaxial) -> Iterator[Fault]:
+    """A window ends before the run does."""
+    for i, window in enumerate(scene.compare.windows):
+        if window.strain > scene.top.final_strain:
+            yield Fault(
+                place=f"compare.windows[{i}].strain", got=f"{window.strain:g}",
+                expected=f"a number <= top.final_strain = {scene.top.final_strain:g}",
+            )
+
+
+def plateau_within_strain(scene: Biaxial) -> Iterator[Fault]:
+    """A plateau is a range of strains that the run reaches."""
+    if scene.compare.plateau is None:
+        return
+    low, high = scene.compare.plateau
+    if not 0 <= low < high <= scene.top.final_strain:
+        yield Fault(
+            place="compare.plateau", got=show(scene.compare.plateau),
+            expected=f"two rising numbers from 0 to top.final_strain = {scene.top.final_strain:g}",
+        )
+
+
+def published_values_exist(scene: Biaxial) -> Iterator[Fault]:
+    """A published value is named as in `reference/values`, and a plateau value needs a plateau."""
+    known = published_values()
+    for i, name in enumerate(scene.compare.published):
+        place = f"compare.published[{i}]"
+        if name not in known:
+            yield Fault(place=place, expected=f"one of {', '.join(known)}", got=show(name), fix=nearest(name, known))
+        elif known[name].quantity.startswith("plateau") and scene.compare.plateau is None:
+            yield Fault(
+                place="compare.plateau", expected=f"a strain range for {known[name].quantity}", got="nothing",
+                fix=f"add plateau, or remove {name} from compare.published",
+            )
+
+
+# --- free ------------------------------------------------------------------------------------
+
+
+def bodies_given_once(scene: Free) -> Iterator[Fault]:
+    """Particles stand in the scene or in a file."""
+    if bool(scene.bodies) == (scene.bodies_file is not None):
+        got = "both" if scene.bodies else "neither"
+        yield Fault(place="bodies", expected="either bodies or bodies_file", got=got)
+
+
+def vectors_fit_dimension(scene: Free) -> Iterator[Fault]:
+    """Vectors of planes and box have as many components as the scene."""
+    vectors = {"gravity": scene.gravity, "periodic": scene.periodic}
+    for i, plane in enumerate(scene.planes):
+        vectors |= {f"planes[{i}].point": plane.point, f"planes[{i}].normal": plane.normal}
+        if isinstance(plane.motion, ConstantMotion):
+            vectors[f"planes[{i}].motion.velocity"] = plane.motion.velocity
+    for place, vector in vectors.items():
+        if vector is not None and len(vector) != scene.dimension:
+            yield Fault(
+                place=place, expected=f"{scene.dimension} components, as dimension = {scene.dimension}",
+                got=f"{len(vector)}: {show(vector)}",
+            )
+
+
+def gravity_is_on(scene: Free) -> Iterator[Fault]:
+    """Gravity zero is no gravity."""
+    if scene.gravity is not None and not any(scene.gravity):
+        yield Fault(
+            place="gravity", expected="a vector other than zero", got=show(scene.gravity),
+            fix="remove it: an effect that is off does not exist",
+        )
+
+
+def periodic_is_on(scene: Free) -> Iterator[Fault]:
+    """A box without a periodic axis is no box."""
+    if scene.periodic is not None and not any(scene.periodic):
+        yield Fault(
+            place="periodic", expected="a length > 0 for at least one axis", got=show(scene.periodic),
+            fix="remove it: without a periodic axis there is no box",
+        )
+
+
+def plane_names_differ(scene: Free) -> Iterator[Fault]:
+    """Output columns and decks tell walls apart by name."""
+    names = [p.name for p in scene.planes]
+    for i, name in enumerate(names):
+        if name in names[:i]:
+            yield Fault(
+                place=f"planes[{i}].name", expected="a name of its own", got=f"{show(name)} again",
+                fix=f"planes[{names.index(name)}] has it",
+            )
+
+
+def normals_point_somewhere(scene: Free) -> Iterator[Fault]:
+    """A normal has a direction; its length does not matter."""
+    for i, plane in enumerate(scene.planes):
+        if not any(plane.normal):
+            yield Fault(
+                place=f"planes[{i}].normal", got=show(plane.normal),
+                expected="a vector other than zero that points to the particles",
+            )
+
+
+def motions_are_on(scene: Free) -> Iterator[Fault]:
+    """A wall that does not move has no motion table."""
+    for i, plane in enumerate(scene.planes):
+        motion = plane.motion
+        still = isinstance(motion, ConstantMotion) and not any(motion.velocity)
+        if still or (isinstance(motion, CosineMotion) and motion.travel == 0):
+            yield Fault(
+                place=f"planes[{i}].motion", expected="a motion other than zero", got="zero",
+                fix="remove the table: a plane without motion is fixed",
+            )
+
+
+def rough_planes_have_friction(scene: Free) -> Iterator[Fault]:
+    """A frictional plane uses the particles' own sliding law, so there must be one."""
+    for i, plane in enumerate(scene.planes):
+        if plane.friction and scene.contact.sliding is None:
+            yield Fault(
+                place=f"planes[{i}].friction", expected="false, as there is no table contact.sliding",
+                got="true", fix="add contact.sliding, whose law the plane would use",
+            )
+
+
+def planes_leave_periodic_axes_free(scene: Free) -> Iterator[Fault]:
+    """A plane that closes a periodic axis would be met from both sides."""
+    for i, plane in enumerate(scene.planes):
+        for axis, length in enumerate(scene.periodic or ()):
+            if length and plane.normal[axis]:
+                yield Fault(
+                    place=f"planes[{i}].normal", got=show(plane.normal),
+                    expected=f"no component along the periodic axis {'xyz'[axis]}",
+                )
+
+
+def planes_stay_apart(scene: Free) -> Iterator[Fault]:
+    """Parallel planes that face each other may not meet, at the start or by their prescribed motion."""
+    for j, second in enumerate(scene.planes):
+        for i, first in enumerate(scene.planes[:j]):
+            if not _face_each_other(first, second):
+                continue
+            gap, time = _smallest_gap(first, second, scene.duration)
+            if gap <= 0:
+                yield Fault(
+                    place=f"planes[{j}].motion" if time else f"planes[{j}].point",
+                    expected=f"a gap > 0 to the facing plane planes[{i}] {show(first.name)} at all times",
+                    got=f"{gap:.3g} m at t = {time:.3g} s",
+                )
+
+
+def _face_each_other(first: Plane, second: Plane) -> bool:
+    n = np.array(first.normal) / np.linalg.norm(first.normal)
+    m = np.array(second.normal) / np.linalg.norm(second.normal)
+    return bool(np.abs(n + m).max() < 1e-9)
+
+
+def _smallest_gap(first: Plane, second: Plane, duration: float) -> tuple[float, float]:
+    """Return the smallest gap (m) and its time (s); loaded walls count as standing."""
+    time = np.linspace(0.0, duration, SAMPLED_TIMES)
+    n = np.array(first.normal) / np.linalg.norm(first.normal)
+    start = float((np.array(second.point) - np.array(first.point)) @ n)
+    gap = start - _advance(first, time) - _advance(second, time)
+    k = int(gap.argmin())
+    return float(gap[k]), float(time[k])
+
+
+def _advance(plane: Plane, time: np.ndarray) -> np.ndarray:
+    """Displacement along the plane's normal (m) at `time` (s)."""
+    motion = plane.motion
+    if isinstance(motion, ConstantMotion):
+        return float(np.array(motion.velocity) @ plane.normal / np.linalg.norm(plane.normal)) * time
+    if isinstance(motion, CosineMotion):
+        return motion.travel / 2 * (1 - np.cos(np.pi * np.minimum(time / motion.duration, 1.0)))
+    return np.zeros_like(time)
+
+
+def _file_fault(scene: Scene, folder: Path) -> Fault | None:
+    biaxial = isinstance(scene, Biaxial)
+    name = scene.particles.packing if biaxial else scene.bodies_file
+    if name is None:
+        return None
+    return name_fault(folder, name, "particles.packing" if biaxial else "bodies_file")
+
+
+CHECKS: dict[type, tuple[Check, ...]] = {
+    Biaxial: (
+        sliding_is_on, particles_given_once, radii_in_order, one_packing_of_a_file, windows_within_strain,
+        plateau_within_strain, published_values_exist,
+    ),
+    Free: (
+        sliding_is_on, bodies_given_once, vectors_fit_dimension, gravity_is_on, periodic_is_on,
+        plane_names_differ, normals_point_somewhere, motions_are_on, rough_planes_have_friction,
+        planes_leave_periodic_axes_free, planes_stay_apart,
+    ),
+}

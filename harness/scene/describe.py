@@ -1,0 +1,136 @@
+"""What the schema asks for at a place of the scene, in words; read off the msgspec types."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Sequence
+from functools import cache
+
+from msgspec import inspect as types
+
+from harness.scene.model import Scene
+
+Key = str | int
+
+
+@cache
+def scene_type() -> types.Type:
+    """Return the schema of a scene as msgspec sees it."""
+    return types.type_info(Scene)
+
+
+def type_at(data: object, keys: Sequence[Key]) -> types.Type:
+    """Follow `keys` from the root; `data` decides which of several tagged tables is meant."""
+    node = scene_type()
+    for key in keys:
+        node = _step(node, data, key)
+        data = value_at(data, [key])
+    return node
+
+
+def value_at(data: object, keys: Sequence[Key]) -> object:
+    """Return the value at `keys`, None where there is none."""
+    for key in keys:
+        try:
+            data = data[key]
+        except (KeyError, IndexError, TypeError):
+            return None
+    return data
+
+
+def known_keys(node: types.Type, data: object) -> list[str]:
+    """Return the keys of the table that `node` describes, its tag first."""
+    table = _table(node, data)
+    tag = [table.tag_field] if table.tag_field else []
+    return tag + [f.encode_name for f in table.fields]
+
+
+def describe(node: types.Type) -> str:
+    """Say what is expected: "a number > 0", '"sphere" or "disc"', "an array of 2 numbers"."""
+    if isinstance(node, types.Metadata):
+        return (node.extra_json_schema or {}).get("description") or describe(node.type)
+    if isinstance(node, types.UnionType):
+        return _describe_union(node)
+    if isinstance(node, types.LiteralType):
+        return either(f'"{v}"' if isinstance(v, str) else str(v) for v in node.values)
+    if isinstance(node, types.StructType):
+        return "a table" if node.tag is None else f'a table with {node.tag_field} = "{node.tag}"'
+    if isinstance(node, types.VarTupleType | types.TupleType):
+        return _describe_array(node)
+    return _SCALARS[type(node)] + _bounds(node)
+
+
+def choices(node: types.Type) -> list[str]:
+    """Return the words allowed at `node`, empty if it is not a choice of words."""
+    parts = node.types if isinstance(node, types.UnionType) else (node,)
+    return [v for p in parts if isinstance(p, types.LiteralType) for v in p.values if isinstance(v, str)]
+
+
+def nearest(word: object, known: Iterable[str]) -> str:
+    """Return "did you mean ...?" for a word close to a known one, else ""."""
+    match = difflib.get_close_matches(str(word)[:80], list(known), n=1, cutoff=0.5)
+    return f"did you mean {match[0]}?" if match else ""
+
+
+def either(words: Iterable[str]) -> str:
+    """Join words: "a, b or c"."""
+    words = list(words)
+    return " or ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
+
+
+_SCALARS = {
+    types.FloatType: "a number",
+    types.IntType: "an integer",
+    types.StrType: "a text",
+    types.BoolType: "true or false",
+}
+
+
+def _bounds(node: types.Type) -> str:
+    signs = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
+    given = [f"{sign} {getattr(node, n):g}" for n, sign in signs.items() if getattr(node, n, None) is not None]
+    return f" {' and '.join(given)}" if given else ""
+
+
+def _describe_union(node: types.UnionType) -> str:
+    parts = [t for t in node.types if not isinstance(t, types.NoneType)]
+    if len(parts) > 1 and all(isinstance(t, types.StructType) for t in parts):
+        tags = either(f'"{t.tag}"' for t in parts)
+        return f"a table with {parts[0].tag_field} = {tags}"
+    return either(describe(t) for t in parts)
+
+
+def _describe_array(node: types.VarTupleType | types.TupleType) -> str:
+    if isinstance(node, types.TupleType):
+        return f"an array of {len(node.item_types)} numbers"
+    item = node.item_type
+    if not isinstance(item, types.FloatType):
+        return "an array of tables"
+    length = f"{node.min_length} or {node.max_length} " if node.min_length else ""
+    return f"an array of {length}numbers{_bounds(item)}"
+
+
+def _step(node: types.Type, data: object, key: Key) -> types.Type:
+    inner = _unwrap(node)
+    structs = [t for t in inner if isinstance(t, types.StructType)]
+    if structs and key == structs[0].tag_field:
+        return types.LiteralType(tuple(t.tag for t in structs))
+    if structs:
+        table = _table(node, data)
+        return next(f.type for f in table.fields if f.encode_name == key)
+    array = next(t for t in inner if isinstance(t, types.VarTupleType | types.TupleType))
+    return array.item_type if isinstance(array, types.VarTupleType) else array.item_types[key]
+
+
+def _table(node: types.Type, data: object) -> types.StructType:
+    structs = [t for t in _unwrap(node) if isinstance(t, types.StructType)]
+    tagged = [t for t in structs if t.tag is not None and value_at(data, [t.tag_field]) == t.tag]
+    return (tagged or structs)[0]
+
+
+def _unwrap(node: types.Type) -> list[types.Type]:
+    if isinstance(node, types.Metadata):
+        return _unwrap(node.type)
+    if isinstance(node, types.UnionType):
+        return [inner for t in node.types for inner in _unwrap(t)]
+    return [node]

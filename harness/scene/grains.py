@@ -1,0 +1,139 @@
+"""What the masses of a scene's particles mean for its time scales, before or after a packing exists."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import singledispatch
+
+import numpy as np
+
+from harness.scene.model import Biaxial, DiscMass, Free, Inertia, LoadedMotion, Scene, SphereMass
+from harness.scene.system import INERTIA_FACTOR, Particles
+
+AREA_FRACTION = 0.84
+"""Random discs jam near this area fraction; used to estimate the size of a box that is not packed yet."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pair:
+    """Two particles that touch, or one that touches a wall: reduced mass m* in kg and what they are."""
+
+    name: str
+    reduced_mass: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Grains:
+    """Particles as far as time scales ask for them.
+
+    count; mean_mass, total_mass in kg; largest_radius in m; pairs: the smallest, mean and largest one.
+    inverse_mass, inverse_turning: largest 1/m and 1/(q m) of a particle in 1/kg, q from I = q m a^2.
+    side: length of the box (m) along a wall, None when there is no box; per_wall: particles that
+    touch one wall of that length.
+    """
+
+    dimension: int
+    count: int
+    mean_mass: float
+    total_mass: float
+    largest_radius: float
+    pairs: tuple[Pair, ...]
+    inverse_mass: float
+    inverse_turning: float
+    side: float | None = None
+    per_wall: float = 1.0
+
+
+def mass_of(law: SphereMass | DiscMass, radius: np.ndarray) -> np.ndarray:
+    """Masses (kg) of particles of the given radii (m), any shape.
+
+    Sphere: 4/3 pi rho a^3; disc of height h: pi rho h a^2.
+    """
+    if isinstance(law, DiscMass):
+        return math.pi * law.density * law.height * radius**2
+    return 4.0 / 3.0 * math.pi * law.density * radius**3
+
+
+def inertia_factor(inertia: Inertia) -> float:
+    """Return q in I = q m a^2 for a name, or the number itself."""
+    return INERTIA_FACTOR[inertia] if isinstance(inertia, str) else float(inertia)
+
+
+@singledispatch
+def grains_of(scene: Scene, particles: Particles | None = None, side: float | None = None) -> Grains:  # noqa: ARG001
+    """Return the particles of a scene; a new kind of scene registers its own function here.
+
+    particles: the actual ones, which only a box with declared radii can do without; side: height of
+    a packed box in m.
+    """
+    raise TypeError(f"no particles known for a scene of type {type(scene).__name__}")
+
+
+@grains_of.register
+def _(scene: Biaxial, particles: Particles | None = None, side: float | None = None) -> Grains:
+    """Extremes as declared, else as they are; averages as they are, else as declared."""
+    declared = scene.particles.radius
+    if particles is None:
+        low, high, count = declared.min, declared.max, scene.particles.count
+        moments = [_uniform_moment(low, high, n) for n in (1, 2, 3)]
+    else:
+        radius, count = particles.radius, len(particles)
+        low, high = (declared.min, declared.max) if declared else (float(radius.min()), float(radius.max()))
+        moments = [float((radius**n).mean()) for n in (1, 2, 3)]
+    return _box_grains(scene, count, low, high, moments, side)
+
+
+@grains_of.register
+def _(scene: Free, particles: Particles | None = None, side: float | None = None) -> Grains:  # noqa: ARG001
+    """Masses as given; a single particle can touch walls only."""
+    p = particles
+    return Grains(
+        dimension=scene.dimension, count=len(p), mean_mass=float(p.mass.mean()), total_mass=float(p.mass.sum()),
+        largest_radius=float(p.radius.max()), pairs=_free_pairs(np.sort(p.mass)),
+        inverse_mass=float(1.0 / p.mass.min()), inverse_turning=float(1.0 / (p.inertia_factor * p.mass).min()),
+        per_wall=_touching_loaded_walls(scene, p),
+    )
+
+
+def _box_grains(scene: Biaxial, count: int, low: float, high: float, moments: list, side: float | None) -> Grains:
+    law, q = scene.particles.mass, inertia_factor(scene.particles.inertia)
+    mean = mass_of(law, 1.0) * (moments[1] if isinstance(law, DiscMass) else moments[2])
+    side = side or math.sqrt(count * math.pi * moments[1] / AREA_FRACTION)
+    radii = {"smallest": low, "mean radius": moments[0], "largest": high}
+    least = mass_of(law, low)
+    return Grains(
+        dimension=2, count=count, mean_mass=mean, total_mass=count * mean, largest_radius=high,
+        pairs=tuple(Pair(name=n, reduced_mass=mass_of(law, a) / 2) for n, a in radii.items()),
+        inverse_mass=1 / least, inverse_turning=1 / (q * least),
+        side=side, per_wall=max(1.0, side / (2 * moments[0])),
+    )
+
+
+def _free_pairs(mass: np.ndarray) -> tuple[Pair, ...]:
+    """Pairs of the two lightest, of two mean and of the two heaviest; `mass` (N,) in rising order."""
+    if len(mass) == 1:
+        return (Pair(name="particle and wall", reduced_mass=float(mass[0])),)
+    if len(mass) == 2:
+        return (Pair(name="only", reduced_mass=float(mass.prod() / mass.sum())),)
+    light, heavy = mass[:2], mass[-2:]
+    return (
+        Pair(name="smallest", reduced_mass=float(light.prod() / light.sum())),
+        Pair(name="mean mass", reduced_mass=float(mass.mean() / 2)),
+        Pair(name="largest", reduced_mass=float(heavy.prod() / heavy.sum())),
+    )
+
+
+def _touching_loaded_walls(scene: Free, particles: Particles) -> float:
+    """Return the most particles that touch one loaded wall at the start, at least one."""
+    most = 1
+    for plane in scene.planes:
+        if isinstance(plane.motion, LoadedMotion):
+            height = (particles.x - plane.point) @ np.array(plane.normal) / np.linalg.norm(plane.normal)
+            most = max(most, int((height <= particles.radius * (1 + 1e-6)).sum()))
+    return float(most)
+
+
+def _uniform_moment(low: float, high: float, n: int) -> float:
+    """<a^n> of U(low, high): sum_k low^k high^(n-k) / (n+1), exact for low = high too."""
+    return sum(low**k * high ** (n - k) for k in range(n + 1)) / (n + 1)

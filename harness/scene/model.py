@@ -1,0 +1,299 @@
+"""The scene as people write it: typed, frozen data, one struct a table of the TOML file.
+
+Units are SI, `x` to the right, `y` up. A table that is absent is an effect that does not exist;
+there are no defaults that switch physics on. Names follow the ON-DEM vocabulary where it has one
+(`normal_stiffness`, `shear_stiffness`, `normal_damping`, `shear_friction`).
+
+Ranges that one number must obey stand here as msgspec bounds; what several numbers must obey
+together stands in `harness.scene.checks`.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
+
+Positive = Annotated[float, Meta(gt=0)]
+NonNegative = Annotated[float, Meta(ge=0)]
+Count = Annotated[int, Meta(ge=1)]
+Vector = Annotated[tuple[float, ...], Meta(min_length=2, max_length=3)]
+Name = Annotated[
+    str,
+    Meta(
+        pattern=r"\A[a-z][a-z0-9_]{0,23}\Z",
+        description="a word of up to 24 lower-case letters, digits and _, beginning with a letter",
+    ),
+]
+"""Names reach decks and file names, so they are plain lower-case words: nothing to inject."""
+Title = Annotated[
+    str,
+    Meta(
+        pattern=r"\A[A-Za-z0-9 .,:;()/%+=*'~^_-]{1,100}\Z",
+        description="one line of up to 100 letters (A-Z), digits, blanks and .,:;()/%+=*'~^_-",
+    ),
+]
+"""Titles reach deck comments, where a line end, & or $ could begin a command."""
+
+
+class Table(Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """A table of the scene file: unknown keys are refused."""
+
+
+# --- particles -------------------------------------------------------------------------------
+
+
+class UniformRadius(Table, tag="uniform", tag_field="kind"):
+    """Radii drawn from U(min, max), in m."""
+
+    min: Positive
+    max: Positive
+
+
+class SphereMass(Table, tag="sphere", tag_field="kind"):
+    """m = 4/3 pi rho a^3 (the discs of the talks' biaxial box weigh as spheres)."""
+
+    density: Positive
+
+
+class DiscMass(Table, tag="disc", tag_field="kind"):
+    """m = rho h pi a^2, a disc of height h."""
+
+    density: Positive
+    height: Positive
+
+
+Inertia = Literal["sphere", "disc", "ring"] | Annotated[float, Meta(gt=0, le=1)]
+"""Moment of inertia I = q m a^2: sphere q = 2/5, disc q = 1/2, ring q = 1, or q itself."""
+
+
+class RandomParticles(Table):
+    """Many discs: `count`, `radius` and `seed` for a random packing, or `packing`, a CSV id,x,y,radius.
+
+    Either is a start state that the preparation brings to rest.
+    """
+
+    mass: SphereMass | DiscMass
+    inertia: Inertia
+    count: Annotated[int, Meta(ge=1, le=1_000_000)] | None = None
+    radius: UniformRadius | None = None
+    seed: Annotated[int, Meta(ge=0)] | None = None
+    packing: str | None = None
+
+
+class Body(Table):
+    """One particle of a free scene; `position` and vectors have 2 or 3 components as the scene has."""
+
+    position: Vector
+    radius: Positive
+    mass: Positive
+    velocity: Vector | None = None
+    spin: tuple[float, ...] | None = None
+    inertia: Inertia = "sphere"
+
+
+# --- contact effects -------------------------------------------------------------------------
+
+
+class LinearNormal(Table, tag="linear", tag_field="law"):
+    """f_n = k_n delta - gamma_n v_n (v_n the rate of separation); `attraction` clips f_n < 0 or not.
+
+    Restitution with and without clipping are two laws (Schwager & Poeschel 2007), so the scene
+    has to say which.
+    """
+
+    normal_stiffness: Positive
+    normal_damping: NonNegative
+    attraction: Literal["allowed", "clipped"]
+
+
+class SpringSliding(Table, tag="spring", tag_field="law"):
+    """Tangential spring k_t and dashpot gamma_t, limited by Coulomb's mu f_n (Cundall & Strack 1979)."""
+
+    shear_friction: NonNegative
+    shear_stiffness: Positive
+    shear_damping: NonNegative
+
+
+class Contact(Table):
+    """The contact effects between particles; `sliding` absent means frictionless."""
+
+    normal: LinearNormal
+    sliding: SpringSliding | None = None
+
+
+class Background(Table):
+    """Drag of the surroundings, f = -c v on every particle, c in kg/s; no torque."""
+
+    translational_drag: Positive
+
+
+# --- numerics and outputs --------------------------------------------------------------------
+
+
+class Numerics(Table):
+    """Time step as a fraction of the contact time of the smallest pair, t_c = pi / sqrt(k/m* - b^2).
+
+    An overdamped pair (b^2 >= k/m*) has no such time; pi / sqrt(k/m*) takes its place.
+    """
+
+    dt_fraction: Positive
+
+
+class Outputs(Table):
+    """How often to look: `samples` rows of wall forces, `frames` full states (with contacts or not).
+
+    Both come besides the initial state. The number of steps is rounded up to a common multiple of
+    both, and the time step gets smaller accordingly (`harness.scene.numerics.plan_steps`).
+    """
+
+    samples: Count
+    frames: Count
+    contacts: bool
+
+
+class Window(Table):
+    """A declared pointwise check: up to `strain` two codes' top-wall forces differ by <= `tolerance`.
+
+    `pairs` is "same_conventions" (an engine and the kernel in that engine's conventions) or
+    "codes" (LAMMPS and LIGGGHTS, each with its own).
+    """
+
+    pairs: Literal["same_conventions", "codes"]
+    strain: Positive
+    tolerance: Positive
+
+
+class Compare(Table):
+    """What `grainproof compare` judges; never part of a run's hash."""
+
+    packings: Count = 1
+    windows: tuple[Window, ...] = ()
+    plateau: Annotated[tuple[float, float], Meta(description="strain range of the plateau")] | None = None
+    published: tuple[str, ...] = ()
+    """Names of `reference/values/*.toml` that hold under this scene's conditions."""
+
+
+class Agreement(Table):
+    """A declared check of whole trajectories: largest difference of x, v, spin over their largest size.
+
+    `pairs` as in `Window`.
+    """
+
+    pairs: Literal["same_conventions", "codes"]
+    tolerance: Positive
+
+
+class FreeCompare(Table):
+    """What `grainproof compare` judges on a free scene; never part of a run's hash."""
+
+    agreements: tuple[Agreement, ...] = ()
+
+
+# --- biaxial box -----------------------------------------------------------------------------
+
+
+class Preparation(Table):
+    """Frictionless isotropic packing at `pressure` (N/m), relaxed until residual <= tolerance."""
+
+    pressure: Positive
+    residual_tolerance: Annotated[float, Meta(gt=0, le=1e-2)]
+
+
+class TopWall(Table):
+    """Strain control: z(t) = z_f + (z_0 - z_f)/2 (1 + cos(pi t/T)), eps = 1 - z/z_0 (talk, 'Bi-axial box')."""
+
+    final_strain: Annotated[float, Meta(gt=0, lt=1)]
+    duration: Positive
+
+
+class SideWall(Table):
+    """Stress control: m_x x'' = F_x - p_x z(t) - gamma_x x' (talk, 'Bi-axial box')."""
+
+    pressure: Positive
+    mass: Positive
+    damping: NonNegative
+
+
+class Biaxial(Table, tag="biaxial", tag_field="kind"):
+    """Four smooth walls: bottom and left fixed, top strain-controlled, right stress-controlled."""
+
+    title: Title
+    particles: RandomParticles
+    preparation: Preparation
+    contact: Contact
+    top: TopWall
+    side: SideWall
+    numerics: Numerics
+    outputs: Outputs
+    background: Background | None = None
+    compare: Compare = Compare()
+
+    @property
+    def dimension(self) -> int:
+        """The box of the talks is two-dimensional."""
+        return 2
+
+    @property
+    def duration(self) -> float:
+        """The run ends when the top wall comes to rest."""
+        return self.top.duration
+
+
+# --- free scenes -----------------------------------------------------------------------------
+
+
+class ConstantMotion(Table, tag="constant", tag_field="kind"):
+    """The wall moves with a constant velocity."""
+
+    velocity: Vector
+
+
+class CosineMotion(Table, tag="cosine", tag_field="kind"):
+    """Smooth travel along the normal: d(t) = travel/2 (1 - cos(pi t/T)) for t < T, then rest."""
+
+    travel: float
+    duration: Positive
+
+
+class LoadedMotion(Table, tag="loaded", tag_field="kind"):
+    """A wall with mass, pressed along its normal: m d'' = load + F.n - damping d'."""
+
+    mass: Positive
+    load: float
+    damping: NonNegative = 0.0
+
+
+class Plane(Table):
+    """A flat wall through `point`; `normal` points to the side where the particles are."""
+
+    name: Name
+    point: Vector
+    normal: Vector
+    friction: bool
+    motion: ConstantMotion | CosineMotion | LoadedMotion | None = None
+
+
+class Free(Table, tag="free", tag_field="kind"):
+    """Explicit particles, planes, gravity: collisions, single bodies, chains and lattices.
+
+    `bodies` stand inline or in a CSV file (`bodies_file`: x,y[,z],radius,mass and optionally
+    vx,vy[,vz], wz in 2D or wx,wy,wz in 3D, inertia). `periodic` gives the box length of each axis, 0 for open ones.
+    """
+
+    title: Title
+    dimension: Literal[2, 3]
+    contact: Contact
+    duration: Positive
+    numerics: Numerics
+    outputs: Outputs
+    bodies: tuple[Body, ...] = ()
+    bodies_file: str | None = None
+    planes: tuple[Plane, ...] = ()
+    gravity: Vector | None = None
+    periodic: tuple[NonNegative, ...] | None = None
+    background: Background | None = None
+    compare: FreeCompare = FreeCompare()
+
+
+Scene = Biaxial | Free

@@ -1,0 +1,166 @@
+"""Time step, its stability limit, and how steps are divided among samples and frames."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from harness.scene.fault import Fault
+from harness.scene.grains import Grains
+from harness.scene.model import Biaxial, Contact, LinearNormal, LoadedMotion, Scene, SideWall
+from reference.analytic.linear_collision import LinearCollision
+
+MOST_STEPS = 2_000_000_000
+"""Step counters of the engines are 32-bit integers."""
+
+COORDINATION = {2: 6, 3: 12}
+"""Neighbours in the densest packing of equal particles: triangular lattice, FCC."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StepPlan:
+    """dt (s) and step counts; `sample_every` and `frame_every` divide `steps`."""
+
+    dt: float
+    steps: int
+    sample_every: int
+    frame_every: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class StabilityLimit:
+    """Largest stable dt (s) and the part of the system that sets it ("particles" or a wall's name)."""
+
+    dt: float
+    part: str
+
+
+def collision(normal: LinearNormal, reduced_mass: float) -> LinearCollision:
+    """Return the head-on collision of a pair of this reduced mass (kg) under the scene's law."""
+    return LinearCollision(
+        stiffness=normal.normal_stiffness, damping=normal.normal_damping, reduced_mass=reduced_mass
+    )
+
+
+def contact_time_scale(pair: LinearCollision) -> float:
+    """t_c = pi/sqrt(w0^2 - b^2), or pi/w0 for an overdamped pair, which has no contact time."""
+    return math.pi / (pair.natural_frequency if pair.overdamped else pair.frequency)
+
+
+def requested_step(scene: Scene, grains: Grains) -> float:
+    """Return dt_fraction times the time scale of the smallest pair, s."""
+    smallest = collision(scene.contact.normal, grains.pairs[0].reduced_mass)
+    return scene.numerics.dt_fraction * contact_time_scale(smallest)
+
+
+def plan_steps(scene: Scene, grains: Grains) -> StepPlan:
+    """Round the number of steps up to a common multiple of samples and frames; dt = duration/steps.
+
+    So dt is never larger than asked for, the run ends exactly at the duration, and every sample and
+    frame falls on a step.
+    """
+    needed = _steps_needed(scene, grains)
+    block = math.lcm(scene.outputs.samples, scene.outputs.frames)
+    steps = -(-needed // block) * block
+    return StepPlan(
+        dt=scene.duration / steps, steps=steps,
+        sample_every=steps // scene.outputs.samples, frame_every=steps // scene.outputs.frames,
+    )
+
+
+def stability_limit(scene: Scene, grains: Grains) -> StabilityLimit:
+    """Return the step below which velocity Verlet with lagged damping is stable in a dense packing.
+
+    For a mode of frequency w and damping ratio zeta, the dashpot seeing half-step velocities::
+
+        dt < (2/w) (sqrt(1 + zeta^2) - zeta)
+
+    (at the limit the growth factor of the leapfrog is -1: 4 - (w dt)^2 - 4 zeta w dt = 0).
+    Particles: w^2 = Z max[k_n + k_t (1 + 1/q), 2 k_t/q] / m_min with Z = 6 in 2D, 12 in 3D, and
+    2 zeta w the same with dashpots for springs, plus the background drag over m_min. In 2D the two
+    cases bound the translations (w^2 = 6 k/m without friction, exact) and the spins of a triangular
+    lattice of equal particles; 12 lies above the exact 8 of FCC. A wall with mass M touched by n
+    particles: w^2 = 2 n k_n/M, 2 zeta w = (2 n gamma_n + gamma_wall)/M.
+    Measured in dense disc packings (LAMMPS, LIGGGHTS): unstable from about 1.1 to 1.9 times this limit.
+    """
+    square, rate = _particle_rates(scene.contact, grains)
+    if scene.background:
+        rate += scene.background.translational_drag * grains.inverse_mass
+    limits = [StabilityLimit(dt=leapfrog_limit(square, rate), part="particles")]
+    limits += [_wall_limit(name, wall, scene.contact.normal, grains) for name, wall in loaded_walls(scene)]
+    return min(limits, key=lambda limit: limit.dt)
+
+
+def leapfrog_limit(square: float, rate: float) -> float:
+    """Return (2/w)(sqrt(1+zeta^2) - zeta) from w^2 (1/s^2) and 2 zeta w (1/s), without cancellation."""
+    return 4 / (rate + math.hypot(rate, 2 * math.sqrt(square)))
+
+
+def loaded_walls(scene: Scene) -> list[tuple[str, LoadedMotion | SideWall]]:
+    """Return name and table of the walls that move under a load."""
+    if isinstance(scene, Biaxial):
+        return [("right", scene.side)]
+    return [(p.name, p.motion) for p in scene.planes if isinstance(p.motion, LoadedMotion)]
+
+
+def numerics_faults(scene: Scene, grains: Grains) -> Iterator[Fault]:
+    """Yield what is wrong with time step and outputs."""
+    yield from _stability_fault(scene, grains)
+    needed = _steps_needed(scene, grains)
+    if needed > MOST_STEPS:
+        place = "top.duration" if isinstance(scene, Biaxial) else "duration"
+        yield Fault(
+            place=place, expected=f"at most {MOST_STEPS} steps of {requested_step(scene, grains):.3g} s",
+            got=f"{needed:.3g} steps in {scene.duration:g} s", fix="shorten the run or soften the contacts",
+        )
+    steps = plan_steps(scene, grains).steps
+    if steps > 2 * needed:
+        yield Fault(
+            place="outputs", fix="take fewer, and frames that divide samples",
+            expected=f"samples and frames with a common multiple of at most twice the {needed} steps needed",
+            got=f"samples = {scene.outputs.samples}, frames = {scene.outputs.frames}",
+        )
+
+
+def _stability_fault(scene: Scene, grains: Grains) -> Iterator[Fault]:
+    limit, dt = stability_limit(scene, grains), requested_step(scene, grains)
+    if dt <= limit.dt:
+        return
+    largest = scene.numerics.dt_fraction * limit.dt / dt
+    yield Fault(
+        place="numerics.dt_fraction",
+        expected=f"at most {largest:.3g}, the stability limit dt = 2/omega (sqrt(1 + zeta^2) - zeta) "
+        f"= {limit.dt:.3g} s of the {limit.part}",
+        got=f"{scene.numerics.dt_fraction:g} (dt = {dt:.3g} s)",
+        fix="lower it; 0.02 to 0.05 is usual" if limit.part == "particles" else "lower it, or make the wall heavier",
+    )
+
+
+def _steps_needed(scene: Scene, grains: Grains) -> int:
+    """Duration over the requested step, rounded up; 1e-9 of a step is round-off."""
+    return max(1, math.ceil(scene.duration / requested_step(scene, grains) - 1e-9))
+
+
+def _particle_rates(contact: Contact, grains: Grains) -> tuple[float, float]:
+    """W^2 (1/s^2) and 2 zeta w (1/s) of the fastest mode of the particles."""
+    normal, sliding = contact.normal, contact.sliding
+    stiffness = (normal.normal_stiffness, sliding.shear_stiffness if sliding else 0.0)
+    damping = (normal.normal_damping, sliding.shear_damping if sliding else 0.0)
+    return _network_rate(stiffness, grains), _network_rate(damping, grains)
+
+
+def _network_rate(normal_shear: tuple[float, float], grains: Grains) -> float:
+    """Z max[c_n + c_t (1 + 1/q), 2 c_t/q] / m_min for springs or dashpots c."""
+    normal, shear = normal_shear
+    both = normal * grains.inverse_mass + shear * (grains.inverse_mass + grains.inverse_turning)
+    return COORDINATION[grains.dimension] * max(both, 2 * shear * grains.inverse_turning)
+
+
+def _wall_limit(name: str, wall: LoadedMotion | SideWall, normal: LinearNormal, grains: Grains) -> StabilityLimit:
+    contacts = 2 * grains.per_wall
+    square = contacts * normal.normal_stiffness / wall.mass
+    rate = (contacts * normal.normal_damping + wall.damping) / wall.mass
+    return StabilityLimit(dt=leapfrog_limit(square, rate), part=f'wall "{name}"')
+
+

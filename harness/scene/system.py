@@ -1,0 +1,141 @@
+"""The resolved scene: plain numbers that every engine receives alike.
+
+A `Scene` is what a person wrote; a `System` is what it means: particle arrays in float64, walls
+with their motion, the effects that are on, step and output counts. Engines see only this, so a
+new kind of scene needs no change in any engine as long as it resolves to these parts.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import asdict, dataclass, field, replace
+
+import numpy as np
+
+from harness.scene.model import Background, LinearNormal, SpringSliding
+
+INERTIA_FACTOR = {"sphere": 0.4, "disc": 0.5, "ring": 1.0}
+"""q in I = q m a^2."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Particles:
+    """Initial particles; id is the row number + 1.
+
+    x, v: (N, dim) in m, m/s. radius, mass: (N,) in m, kg. inertia_factor: (N,), q in I = q m a^2.
+    spin: (N, 1) in 2D (about z, counter-clockwise positive) or (N, 3), in rad/s.
+    """
+
+    x: np.ndarray
+    radius: np.ndarray
+    mass: np.ndarray
+    inertia_factor: np.ndarray
+    v: np.ndarray
+    spin: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.radius)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Constant:
+    """Constant velocity vector (dim,), m/s."""
+
+    velocity: tuple[float, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cosine:
+    """d(t) = travel/2 (1 - cos(pi t/duration)) along the normal until `duration`, then rest."""
+
+    travel: float
+    duration: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Loaded:
+    """A wall with mass: m d'' = load + stress * extent(t) + F.n - damping d'.
+
+    d is the displacement along the normal, F the force of the particles on the wall (so F.n < 0
+    when they push it back). extent(t) is the distance of the two walls named in `span` (the talk's
+    z(t)); without a span the load is constant.
+    """
+
+    mass: float
+    load: float
+    stress: float
+    span: tuple[str, str] | None
+    damping: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wall:
+    """A plane; `index` counts from 1 and contacts name the wall as j = -index."""
+
+    index: int
+    name: str
+    point: tuple[float, ...]
+    normal: tuple[float, ...]
+    friction: bool
+    motion: Constant | Cosine | Loaded | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class System:
+    """Everything an engine must compute, and nothing that is off.
+
+    `periodic` holds one box length an axis, 0 for open axes; None when no axis is periodic; the box
+    starts at the origin. `sample_every`, `frame_every` are in steps and divide `steps`.
+    """
+
+    dimension: int
+    particles: Particles
+    walls: tuple[Wall, ...]
+    normal: LinearNormal
+    sliding: SpringSliding | None
+    background: Background | None
+    gravity: tuple[float, ...] | None
+    periodic: tuple[float, ...] | None
+    dt: float
+    steps: int
+    sample_every: int
+    frame_every: int
+    contacts: bool
+    scene_name: str = field(default="scene")
+    title: str = field(default="")
+
+    def wall(self, name: str) -> Wall:
+        """Return the wall of this name."""
+        return next(w for w in self.walls if w.name == name)
+
+    def digest(self) -> str:
+        """SHA-256 of everything that decides the result; names and titles are not part of it."""
+        return hashlib.sha256(json.dumps(self.identity(), sort_keys=True).encode()).hexdigest()
+
+    def identity(self) -> dict:
+        """The system as JSON-able data, particle arrays replaced by their hash."""
+        walls = [asdict(w) | {"motion_kind": type(w.motion).__name__} for w in self.walls]
+        effects = {k: _struct(getattr(self, k)) for k in ("normal", "sliding", "background")}
+        plain = {k: getattr(self, k) for k in _PLAIN}
+        return {"walls": walls, "particles": self.particles_digest(), **effects, **plain}
+
+    def particles_digest(self) -> str:
+        """SHA-256 of the particle arrays as little-endian float64."""
+        h = hashlib.sha256()
+        for name in ("x", "radius", "mass", "inertia_factor", "v", "spin"):
+            h.update(np.ascontiguousarray(getattr(self.particles, name), "<f8").tobytes())
+        return h.hexdigest()
+
+    def with_(self, **changes) -> System:
+        """Return a copy with some fields changed."""
+        return replace(self, **changes)
+
+
+_PLAIN = ("dimension", "gravity", "periodic", "dt", "steps", "sample_every", "frame_every", "contacts")
+
+
+def _struct(table) -> dict | None:
+    import msgspec
+
+    return None if table is None else msgspec.to_builtins(table) | {"_": type(table).__name__}

@@ -1,0 +1,1 @@
+"""The studies: what is asked of the engines and how the answers are judged."""

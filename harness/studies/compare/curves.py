@@ -1,0 +1,84 @@
+"""The biaxial test of one run as curves against axial strain, from wall places and wall forces.
+
+Everything here is what an experimenter measures at the walls of the box, from the run's series:
+
+    z = z_0 - d_top, x = x_0 - d_right, eps = 1 - z/z_0, eps_V = 1 - x z/(x_0 z_0) (compression > 0)
+    sigma_zz = F_top/x, sigma_xx = F_right/z (N/m: 2D), ratio R = sigma_zz/sigma_xx
+    sin(phi) = (R - 1)/(R + 1), the secant friction angle
+    control error = (F_right - p_x z)/(p_x z): how far the side wall is from the pressure asked for
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from harness.scene.system import System
+from postproc.trajectory import Trajectory
+
+
+@dataclass(frozen=True, kw_only=True)
+class BiaxialCurves:
+    """Arrays of one length S, one entry a sample; SI units, stresses in N/m."""
+
+    step: np.ndarray
+    time: np.ndarray
+    strain: np.ndarray
+    x: np.ndarray
+    z: np.ndarray
+    force_top: np.ndarray
+    force_bottom: np.ndarray
+    force_right: np.ndarray
+    pressure: float
+
+    @property
+    def stress_zz(self) -> np.ndarray:
+        """F_top / x, N/m."""
+        return self.force_top / self.x
+
+    @property
+    def stress_xx(self) -> np.ndarray:
+        """F_right / z, N/m."""
+        return self.force_right / self.z
+
+    @property
+    def ratio(self) -> np.ndarray:
+        """sigma_zz / sigma_xx of measured stresses."""
+        return self.stress_zz / self.stress_xx
+
+    @property
+    def friction_angle(self) -> np.ndarray:
+        """Secant friction angle in degrees."""
+        return np.degrees(np.arcsin((self.ratio - 1.0) / (self.ratio + 1.0)))
+
+    @property
+    def volume_strain(self) -> np.ndarray:
+        """eps_V, compression positive (dilation is negative)."""
+        return 1.0 - self.x * self.z / (self.x[0] * self.z[0])
+
+    @property
+    def control_error(self) -> np.ndarray:
+        """(F_right - p_x z) / (p_x z)."""
+        return self.force_right / (self.pressure * self.z) - 1.0
+
+    @property
+    def peak(self) -> int:
+        """Sample of the largest stress ratio."""
+        return int(np.argmax(self.ratio))
+
+    def upto(self, strain: float) -> np.ndarray:
+        """Return a mask of the samples with 0 < eps <= strain; the start is the same by construction."""
+        return (self.strain <= strain * (1.0 + 1e-12)) & (self.step > 0)
+
+
+def biaxial_curves(trajectory: Trajectory, system: System) -> BiaxialCurves:
+    """Return the curves of a finished run of a biaxial system."""
+    s = trajectory.series
+    right, top, bottom, left = (system.wall(n) for n in ("right", "top", "bottom", "left"))
+    z0, x0 = top.point[1] - bottom.point[1], right.point[0] - left.point[0]
+    return BiaxialCurves(
+        step=s["step"], time=s["time"], strain=s["top_d"] / z0, x=x0 - s["right_d"], z=z0 - s["top_d"],
+        force_top=s["top_fy"], force_bottom=-s["bottom_fy"], force_right=s["right_fx"],
+        pressure=right.motion.stress,
+    )

@@ -1,0 +1,112 @@
+"""The main job: one scene, one packing (or several), every engine, checks, one result.
+
+    scene -> packings -> systems -> runs -> trajectories -> curves, growth, averages -> checks
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from harness.runs.folder import runs_root
+from harness.runs.native import NativePolicy
+from harness.runs.outcome import Outcome
+from harness.scene.load import load_scene
+from harness.scene.model import Biaxial, Scene
+from harness.studies.compare.biaxial import judge_biaxial
+from harness.studies.compare.free import judge_free
+from harness.studies.prepare import Prepared, prepare
+from harness.studies.verdict import Check, failed
+
+if TYPE_CHECKING:
+    from harness.engines.protocol import Engine
+    from postproc.trajectory import Trajectory
+
+TIME_LIMIT = 3600.0
+"""Seconds after which an engine's run is ended, unless the user says otherwise."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run:
+    """One engine on one packing: its outcome, its folder, and its trajectory if it completed."""
+
+    engine: str
+    packing: int
+    outcome: Outcome
+    folder: Path
+    trajectory: Trajectory | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Comparison:
+    """Everything a report needs. `result` holds what the kind of scene adds (curves or trajectories)."""
+
+    scene: Scene
+    scene_file: str
+    starts: tuple[Prepared, ...]
+    runs: tuple[Run, ...]
+    checks: tuple[Check, ...]
+    result: object
+
+    @property
+    def completed(self) -> tuple[Run, ...]:
+        """The runs that completed."""
+        return tuple(r for r in self.runs if r.trajectory is not None)
+
+    @property
+    def exit_status(self) -> int:
+        """1 when a check differs, nothing could be checked, or a run failed; else 0.
+
+        An engine that is not installed, or says that it cannot compute the scene, is reported and
+        does not fail the comparison as long as something was compared.
+        """
+        broken = any(r.outcome.status in ("crashed", "unstable", "timed_out") for r in self.runs)
+        return 1 if broken or failed(self.checks) else 0
+
+
+def compare(
+    scene_file: Path, engines: tuple[Engine, ...], out: Path, *, packings: int | None = None,
+    time_limit: float = TIME_LIMIT, workers: int | None = None, progress=None, native: NativePolicy = "gzip",
+) -> Comparison:
+    """Run `scene_file` on `engines` and judge; runs are kept and reused below ``out/runs``.
+
+    Raises InputError for a scene that is wrong.
+    """
+    from harness.runs.pool import run_many
+
+    scene = load_scene(scene_file)
+    starts = prepare(scene, scene_file, packings=packings or scene.compare.packings, cache=out / "packings")
+    engines = _distinct(engines, scene)
+    plan = [(s.number, e) for s in starts for e in engines]
+    jobs = [(_label(e.name, number, len(starts)), e, starts[number].system) for number, e in plan]
+    done = run_many(jobs, runs_root(out), time_limit=time_limit, workers=workers, progress=progress, native=native)
+    runs = tuple(_run(number, e.name, d) for (number, e), d in zip(plan, done, strict=True))
+    judge = judge_biaxial if isinstance(scene, Biaxial) else judge_free
+    rerun = f"grainproof compare {scene_file} --out {out}"
+    checks, result = judge(scene, starts, runs, [e.name for e in engines], rerun)
+    return Comparison(
+        scene=scene, scene_file=str(scene_file), starts=tuple(starts), runs=runs, checks=tuple(checks), result=result
+    )
+
+
+def _distinct(engines: tuple[Engine, ...], scene: Scene) -> tuple[Engine, ...]:
+    """Without sliding all conventions of the kernel are one: run it once, as `kernel:talk`."""
+    from harness.engines.registry import ENGINES, KERNEL_PREFIX
+
+    if scene.contact.sliding is not None:
+        return engines
+    single = (ENGINES[KERNEL_PREFIX + "talk"] if e.name.startswith(KERNEL_PREFIX) else e for e in engines)
+    return tuple(dict.fromkeys(single))
+
+
+def _label(engine: str, number: int, count: int) -> str:
+    return engine if count == 1 else f"{engine} #{number + 1}"
+
+
+def _run(number: int, engine: str, done) -> Run:
+    from postproc.trajectory import read_trajectory
+
+    completed = done.outcome.status == "completed"
+    trajectory = read_trajectory(done.folder / "trajectory.h5") if completed else None
+    return Run(engine=engine, packing=number, outcome=done.outcome, folder=done.folder, trajectory=trajectory)

@@ -1,0 +1,1 @@
+"""Averaging cells: weights, volumes and the three ways to average over them."""

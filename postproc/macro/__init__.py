@@ -1,0 +1,1 @@
+"""Macroscopic quantities, one idea a module; each formula with its source, units and sign."""

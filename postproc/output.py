@@ -1,0 +1,91 @@
+"""Averages as a table to read, as JSON, as CSV files."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from postproc.results import Averages, Result, Unavailable, Value, columns_of, reasons_of
+
+
+def json_text(averages: Averages) -> str:
+    """Return one JSON object; NaN is null, numbers have all their digits."""
+    data = {
+        "time": _number(averages.time),
+        "dimension": averages.dimension,
+        "particles": averages.particles,
+        "cells": averages.cells,
+        "labels": averages.labels,
+        "in_cells": {name: _json(r) for name, r in averages.in_cells.items()},
+        "of_state": {name: _json(r) for name, r in averages.of_state.items()},
+    }
+    return json.dumps(data, indent=1) + "\n"
+
+
+def write_files(folder: Path, averages: Averages) -> None:
+    """Write average.json (everything), cells.csv (a row a cell) and state.csv (one row) in `folder`.
+
+    Unavailable quantities have no column in the CSV files; the reasons are in average.json.
+    """
+    import pandas as pd
+
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "average.json").write_text(json_text(averages), encoding="utf-8")
+    cells = {"cell": averages.labels, **columns_of(averages.in_cells)}
+    state = {"time": [averages.time], **columns_of(averages.of_state)}
+    for name, table in (("cells.csv", cells), ("state.csv", state)):
+        pd.DataFrame(table).to_csv(folder / name, index=False, float_format="%.17g")
+
+
+def table_text(averages: Averages) -> str:
+    """Return a table to read: one value a line for one cell, mean, least and largest for several."""
+    time = "unknown time" if np.isnan(averages.time) else f"t = {averages.time:.9g} s"
+    count = len(averages.labels)
+    cells = f"cells: {averages.cells}" + (f" ({count}; mean, least, largest)" if count > 1 else "")
+    head = f"{averages.dimension}D, {averages.particles} particles, {time}, {cells}"
+    lines = [head, "", *_lines(averages.in_cells), "", "whole box", *_lines(averages.of_state)]
+    reasons = {**reasons_of(averages.in_cells), **reasons_of(averages.of_state)}
+    if reasons:
+        lines += ["", "unavailable", *(f"  {name}: {reason}" for name, reason in reasons.items())]
+    return "\n".join(lines) + "\n"
+
+
+def _lines(results: Mapping[str, Result]) -> list[str]:
+    values = {name: r for name, r in results.items() if isinstance(r, Value)}
+    return [line for name, value in values.items() for line in _quantity(name, value)] or ["  nothing"]
+
+
+def _quantity(name: str, value: Value) -> list[str]:
+    """One line a scalar or vector, one line a row of a tensor; for several cells a line a component."""
+    unit = "" if value.unit == "1" else f" [{value.unit}]"
+    if len(value.values) == 1:
+        rows = np.atleast_2d(value.values[0])
+        heads = [name + unit, *[""] * (len(rows) - 1)]
+        cells = ["".join(f"{number:<18.9g}" for number in row) for row in rows]
+    else:
+        heads = [column + unit for column in value.columns(name)]
+        cells = [_spread(numbers) for numbers in value.columns(name).values()]
+    return [f"  {head:<34}{cell}".rstrip() for head, cell in zip(heads, cells, strict=True)]
+
+
+def _spread(values: np.ndarray) -> str:
+    known = values[~np.isnan(values)]
+    numbers = (known.mean(), known.min(), known.max()) if known.size else (np.nan,)
+    return "".join(f"{number:<16.6g}" for number in numbers)
+
+
+def _json(result: Result) -> dict:
+    if isinstance(result, Unavailable):
+        return {"unavailable": result.reason}
+    return {"unit": result.unit, "components": result.components, "values": _nested(result.values.tolist())}
+
+
+def _nested(values):
+    return [_nested(v) for v in values] if isinstance(values, list) else _number(values)
+
+
+def _number(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None

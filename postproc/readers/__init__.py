@@ -1,0 +1,1 @@
+"""Readers: output of any code in, snapshots and trajectories out."""

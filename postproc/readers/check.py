@@ -1,0 +1,111 @@
+"""What a state must be before any formula sees it, and the one line that says where it is not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from postproc.snapshot import Columns, Snapshot
+from postproc.trajectory import GROUPS, ReadError
+
+MAY_BE_UNKNOWN = ("ux", "uy", "uz")
+"""Columns in which NaN says that one row lacks the value (a spring that an engine cannot tell)."""
+
+
+def wrong(path: Path, place: str, expected: str, got: object) -> ReadError:
+    """Return the error, one line: file, place, what was expected, what came.
+
+    >>> print(wrong(Path("a.h5"), "particles.radius: row 3", "a number > 0", -1.0))
+    a.h5: particles.radius: row 3: expected a number > 0, got -1.0
+    """
+    return ReadError(" ".join(f"{path}: {place}: expected {expected}, got {got}".split()))
+
+
+def check_snapshot(path: Path, snapshot: Snapshot, place: str = "") -> Snapshot:
+    """Return the snapshot if it is sound; raise ReadError at the first fault.
+
+    Finite numbers everywhere (NaN only in MAY_BE_UNKNOWN), positive radii, masses and box lengths,
+    ids unique, contacts between particles that exist or with walls that exist (if walls are
+    recorded at all), each pair listed once (in a periodic box two images may touch twice).
+    `place` goes before every place, e.g. ``frame 3: ``.
+    """
+    check = _Check(path, place)
+    for group in GROUPS:
+        table = getattr(snapshot, group)
+        if table is not None:
+            check.finite(table, group)
+    check.box(snapshot)
+    check.ids(snapshot.particles, "particles")
+    check.positive(snapshot.particles, "particles", "radius", "mass", "inertia")
+    if snapshot.walls is not None:
+        check.ids(snapshot.walls, "walls")
+    if snapshot.contacts is not None:
+        check.partners(snapshot)
+    return snapshot
+
+
+class _Check:
+    """Single checks; rows are counted from 1 in messages."""
+
+    def __init__(self, path: Path, place: str):
+        self.path, self.prefix = path, place
+
+    def all_good(self, good: np.ndarray, values: np.ndarray, place: str, expected: str) -> None:
+        if not good.all():
+            row = int(np.argmin(good))
+            raise wrong(self.path, f"{self.prefix}{place}: row {row + 1}", expected, f"{values[row]:.17g}")
+
+    def finite(self, table: Columns, group: str) -> None:
+        for name in table:
+            values = table[name]
+            good = np.isfinite(values)
+            if group == "contacts" and name in MAY_BE_UNKNOWN:
+                good = good | np.isnan(values)
+            self.all_good(good, values, f"{group}.{name}", "a finite number")
+
+    def positive(self, table: Columns, group: str, *names: str) -> None:
+        for name in names:
+            if name in table:
+                self.all_good(table[name] > 0, table[name], f"{group}.{name}", "a number > 0")
+
+    def ids(self, table: Columns, group: str) -> None:
+        ids = table["id"]
+        lowest = 1 if group == "walls" else 0
+        self.all_good((ids >= lowest) & (ids % 1 == 0), ids, f"{group}.id", f"a whole number >= {lowest}")
+        first = np.zeros(len(ids), dtype=bool)
+        first[np.unique(ids, return_index=True)[1]] = True
+        self.all_good(first, ids, f"{group}.id", "every id once")
+
+    def partners(self, snapshot: Snapshot) -> None:
+        contacts = snapshot.contacts
+        i, j = contacts["i"], contacts["j"]
+        known = snapshot.particles["id"]
+        self.all_good(np.isin(i, known), i, "contacts.i", "the id of a particle")
+        self.all_good((j < 0) | np.isin(j, known), j, "contacts.j", "the id of a particle, or - the id of a wall")
+        if snapshot.walls is not None:
+            wall = snapshot.walls["id"]
+            self.all_good((j >= 0) | np.isin(-j, wall), j, "contacts.j", "- the id of a wall")
+        self.all_good(i != j, i, "contacts", "two different particles")
+        if not any(snapshot.periodic or ()):
+            self.once(i, j)
+
+    def once(self, i: np.ndarray, j: np.ndarray) -> None:
+        pairs = np.flatnonzero(j >= 0)
+        low_high = np.sort(np.column_stack([i, j])[pairs], axis=1)
+        first = np.ones(len(i), dtype=bool)
+        first[pairs] = False
+        first[pairs[np.unique(low_high, axis=0, return_index=True)[1]]] = True
+        if not first.all():
+            row = int(np.argmin(first))
+            got = f"{i[row]:.0f} and {j[row]:.0f} again"
+            raise wrong(self.path, f"{self.prefix}contacts: row {row + 1}", "every pair of particles once", got)
+
+    def box(self, snapshot: Snapshot) -> None:
+        box = snapshot.box
+        if box is None:
+            return
+        if np.shape(box) != (snapshot.dimension, 2):
+            raise wrong(self.path, f"{self.prefix}box", f"shape ({snapshot.dimension}, 2)", np.shape(box))
+        lengths = np.diff(box, axis=1)[:, 0]
+        self.all_good(np.isfinite(lengths) & (lengths > 0), lengths, "box", "upper bounds above lower bounds")

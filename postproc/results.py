@@ -1,0 +1,75 @@
+"""What the post-processor returns: values with units, or the reason why there is none."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from postproc.snapshot import MissingColumn
+
+
+@dataclass(frozen=True, kw_only=True)
+class Value:
+    """A quantity in K cells: values (K, ...), unit ("1": a pure number), and names of components.
+
+    components: () for a scalar, else one suffix a component in the order of the flattened array,
+    such as ("xx", "xy", "yx", "yy").
+    """
+
+    values: np.ndarray
+    unit: str
+    components: tuple[str, ...] = ()
+
+    def columns(self, name: str) -> dict[str, np.ndarray]:
+        """Return the scalar columns (K,) of this quantity: name, or name_xx, name_xy, ..."""
+        if not self.components:
+            return {name: self.values}
+        flat = self.values.reshape(len(self.values), -1)
+        return {f"{name}_{part}": flat[:, k] for k, part in enumerate(self.components)}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Unavailable:
+    """A quantity that this state cannot give; never zero, never a crash."""
+
+    reason: str
+
+
+Result = Value | Unavailable
+
+
+@dataclass(frozen=True, kw_only=True)
+class Averages:
+    """All quantities of one state.
+
+    cells: kind of the cells, labels: one name each (K). in_cells: quantities per cell, values
+    (K, ...). of_state: quantities of the whole box, values (1, ...).
+    """
+
+    time: float
+    dimension: int
+    particles: int
+    cells: str
+    labels: tuple[str, ...]
+    in_cells: Mapping[str, Result]
+    of_state: Mapping[str, Result]
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """Return the values of a quantity; MissingColumn with the reason if it is unavailable."""
+        result = {**self.in_cells, **self.of_state}[name]
+        if isinstance(result, Unavailable):
+            raise MissingColumn(f"{name}: {result.reason}")
+        return result.values
+
+
+def columns_of(results: Mapping[str, Result]) -> dict[str, np.ndarray]:
+    """Return all scalar columns of the available quantities."""
+    available = {name: r for name, r in results.items() if isinstance(r, Value)}
+    return {c: v for name, value in available.items() for c, v in value.columns(name).items()}
+
+
+def reasons_of(results: Mapping[str, Result]) -> dict[str, str]:
+    """Return the reason of every unavailable quantity."""
+    return {name: r.reason for name, r in results.items() if isinstance(r, Unavailable)}

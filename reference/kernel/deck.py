@@ -1,0 +1,79 @@
+"""The kernel's own deck: `kernel.json` (walls, laws, numerics) and `particles.csv`, one folder a run."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from reference.kernel.conventions import CONVENTIONS
+from reference.kernel.laws.linear import LinearNormal
+from reference.kernel.laws.sliding import SpringSliding
+from reference.kernel.model import Constant, Cosine, Fixed, Loaded, Model, Wall
+
+DECK, PARTICLES = "kernel.json", "particles.csv"
+_MOTIONS = {"fixed": Fixed, "cosine": Cosine, "constant": Constant, "loaded": Loaded}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Plan:
+    """How long to run and what to write; sample_every and frame_every divide steps."""
+
+    steps: int
+    sample_every: int
+    frame_every: int
+    contacts: bool
+
+
+def particle_columns(dimension: int) -> list[str]:
+    """Return the header of `particles.csv`."""
+    axes = "xyz"[:dimension]
+    spins = ["wz"] if dimension == 2 else ["wx", "wy", "wz"]
+    return ["id", *axes, "radius", "mass", "inertia", *(f"v{a}" for a in axes), *spins]
+
+
+def read_deck(folder: Path) -> tuple[Model, Plan]:
+    """Return the problem and the plan of a run folder."""
+    deck = json.loads((folder / DECK).read_text())
+    columns = particle_columns(deck["dimension"])
+    table = np.loadtxt(folder / PARTICLES, delimiter=",", skiprows=1, ndmin=2)
+    if table.shape[1] != len(columns):
+        raise ValueError(f"{PARTICLES}: expected columns {','.join(columns)}, got {table.shape[1]} columns")
+    return _model(deck, dict(zip(columns, table.T, strict=True))), Plan(**deck["plan"])
+
+
+def _model(deck: dict, p: dict[str, np.ndarray]) -> Model:
+    axes = "xyz"[: deck["dimension"]]
+    spins = ["wz"] if deck["dimension"] == 2 else ["wx", "wy", "wz"]
+    convention = CONVENTIONS[deck["convention"]]
+    sliding = deck.get("sliding")
+    return Model(
+        x=np.stack([p[a] for a in axes]),
+        v=np.stack([p[f"v{a}"] for a in axes]),
+        spin=np.stack([p[w] for w in spins]),
+        radius=p["radius"].copy(),
+        mass=p["mass"].copy(),
+        inertia=p["inertia"].copy(),
+        walls=tuple(_wall(w) for w in deck["walls"]),
+        normal=LinearNormal(**deck["normal"]),
+        sliding=SpringSliding(**sliding, algorithm=convention.sliding) if sliding else None,
+        convention=convention,
+        dt=deck["dt"],
+        gravity=_tuple(deck.get("gravity")),
+        drag=deck.get("drag"),
+        periodic=_tuple(deck.get("periodic")),
+    )
+
+
+def _wall(deck: dict) -> Wall:
+    motion = {k: _tuple(v) for k, v in deck["motion"].items() if k != "kind"}
+    return Wall(
+        name=deck["name"], point=tuple(deck["point"]), normal=tuple(deck["normal"]), friction=deck["friction"],
+        motion=_MOTIONS[deck["motion"]["kind"]](**motion),
+    )
+
+
+def _tuple(value):
+    return tuple(value) if isinstance(value, list) else value

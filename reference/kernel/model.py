@@ -1,0 +1,97 @@
+"""What the kernel is given: particles, walls, laws, numerics; frozen, validated by its maker."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from reference.kernel.conventions import Convention
+from reference.kernel.laws.linear import LinearNormal
+from reference.kernel.laws.sliding import SpringSliding
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fixed:
+    """The wall stays."""
+
+    def displacement(self, time: float) -> float:  # noqa: ARG002
+        """Return 0."""
+        return 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cosine:
+    """d(t) = travel/2 (1 - cos(pi t/duration)) along the normal, then rest (talk: z(t))."""
+
+    travel: float
+    duration: float
+
+    def displacement(self, time: float) -> float:
+        """Return d(time), m, positive along the normal."""
+        phase = math.pi * min(time / self.duration, 1.0)
+        return 0.5 * self.travel * (1.0 - math.cos(phase))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Constant:
+    """Constant velocity vector, (dim,), m/s."""
+
+    velocity: tuple[float, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Loaded:
+    """m d'' = load + stress * extent + F.n - damping d'; extent = distance of the walls in `span`.
+
+    d: displacement along the normal; F: force of the particles on the wall. `span` holds two wall
+    numbers (0-based) or is None when the load is constant.
+    """
+
+    mass: float
+    load: float
+    stress: float
+    span: tuple[int, int] | None
+    damping: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wall:
+    """A plane through `point` with unit `normal` to the particles' side."""
+
+    name: str
+    point: tuple[float, ...]
+    normal: tuple[float, ...]
+    friction: bool
+    motion: Fixed | Cosine | Constant | Loaded = Fixed()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Model:
+    """A DEM problem. x, v: (dim, N); spin: (1|3, N); radius, mass, inertia: (N,). SI units."""
+
+    x: np.ndarray
+    v: np.ndarray
+    spin: np.ndarray
+    radius: np.ndarray
+    mass: np.ndarray
+    inertia: np.ndarray
+    walls: tuple[Wall, ...]
+    normal: LinearNormal
+    sliding: SpringSliding | None
+    convention: Convention
+    dt: float
+    gravity: tuple[float, ...] | None = None
+    drag: float | None = None
+    periodic: tuple[float, ...] | None = None
+
+    @property
+    def dimension(self) -> int:
+        """2 or 3."""
+        return len(self.x)
+
+    @property
+    def particle_count(self) -> int:
+        """N."""
+        return len(self.radius)

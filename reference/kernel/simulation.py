@@ -1,0 +1,181 @@
+"""The step: velocity Verlet with the half-step velocities of the codes in the contact forces.
+
+    v += dt/2 f/m ;  x += dt v ;  omega += dt/2 T/I
+    walls move on ;  candidates are renewed if anything could have been missed
+    f, T = forces(x, v(n+1/2), omega(n+1/2)), springs move on by dt
+    v += dt/2 f/m ;  omega += dt/2 T/I
+
+This is the order of LAMMPS' and LIGGGHTS' `fix nve/sphere`. Velocity-dependent forces see the
+half-step velocity, which makes the scheme first order where there is damping or friction.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from reference.kernel.interactions import Forces, Interaction
+from reference.kernel.model import Constant, Loaded, Model
+from reference.kernel.state import initial_state
+
+SKIN_IN_RADII = 0.1
+"""Skin of the candidate list in units of the mean radius: results do not depend on it."""
+
+
+class KernelUnstable(Exception):
+    """The run left what the laws can describe; the message says what and where."""
+
+
+class Simulation:
+    """A running system; `advance()` makes one step.
+
+    Raises KernelUnstable when a particle centre passes a wall or a number is no longer finite.
+    """
+
+    def __init__(self, model: Model, *, skin: float | None = None):
+        self.model = model
+        self.state = initial_state(model)
+        self.skin = SKIN_IN_RADII * float(model.radius.mean()) if skin is None else skin
+        self.rebuilds = 0
+        n = model.particle_count
+        self._inverse_mass = 1.0 / model.mass
+        self._inverse_inertia = 1.0 / model.inertia
+        self._particles = slice(0, n)
+        self.interactions = _interactions(model)
+        self._rebuild()
+        self.evaluate(advance=False)
+        self._wall_acceleration = self._loaded_accelerations()
+
+    @property
+    def time(self) -> float:
+        """Time of the state, s."""
+        return self.state.step * self.model.dt
+
+    def advance(self) -> None:
+        """Make one step of dt."""
+        self._kick()
+        self._drift()
+        self._move_walls()
+        self.renew_candidates()
+        self.evaluate(advance=True)
+        self._kick()
+        self._kick_loaded_walls()
+
+    def contacts(self) -> list[tuple[Interaction, Forces]]:
+        """Return the contacts of now, evaluated with full-step velocities; nothing is changed."""
+        s = self.state
+        return [(k, k.evaluate(s, s.v, s.spin, self.model.dt, advance=False)) for k in self.interactions]
+
+    # --- the parts of a step -------------------------------------------------------------------
+
+    def _kick(self) -> None:
+        s, p, half = self.state, self._particles, 0.5 * self.model.dt
+        s.v[:, p] += half * s.force[:, p] * self._inverse_mass
+        if s.torque is not None:
+            s.spin[:, p] += half * s.torque[:, p] * self._inverse_inertia
+
+    def _drift(self) -> None:
+        s, p = self.state, self._particles
+        s.x[:, p] += self.model.dt * s.v[:, p]
+        s.step += 1
+
+    def _move_walls(self) -> None:
+        """Walls reach their place at the end of the step; their velocity is that of the half step."""
+        dt = self.model.dt
+        for k, wall in enumerate(self.model.walls):
+            if isinstance(wall.motion, Loaded):
+                self.state.wall_rate[k] += 0.5 * dt * self._wall_acceleration[k]
+                self._shift_wall(k, self.state.wall_d[k] + dt * self.state.wall_rate[k])
+            elif not isinstance(wall.motion, Constant):
+                self._shift_wall(k, wall.motion.displacement(self.time))
+            else:
+                node = self.model.particle_count + k
+                self.state.x[:, node] += dt * self.state.v[:, node]
+                self.state.wall_d[k] = self.time * self.state.wall_rate[k]
+
+    def _shift_wall(self, k: int, displacement: float) -> None:
+        """Set the wall's displacement along its normal; its velocity follows from the difference."""
+        s, node = self.state, self.model.particle_count + k
+        rate = (displacement - s.wall_d[k]) / self.model.dt
+        s.wall_d[k] = displacement
+        s.x[:, node] = np.asarray(self.model.walls[k].point) + displacement * s.wall_normal[:, k]
+        s.v[:, node] = rate * s.wall_normal[:, k]
+        if not isinstance(self.model.walls[k].motion, Loaded):
+            s.wall_rate[k] = rate
+
+    def _kick_loaded_walls(self) -> None:
+        self._wall_acceleration = self._loaded_accelerations()
+        for k, acceleration in self._wall_acceleration.items():
+            self.state.wall_rate[k] += 0.5 * self.model.dt * acceleration
+
+    def _loaded_accelerations(self) -> dict[int, float]:
+        loaded = ((k, w.motion) for k, w in enumerate(self.model.walls) if isinstance(w.motion, Loaded))
+        return {k: self._loaded_force(k, motion) / motion.mass for k, motion in loaded}
+
+    def _loaded_force(self, k: int, motion: Loaded) -> float:
+        """Return load + stress * extent + F.n - damping d', with the half-step rate d'."""
+        s = self.state
+        extent = 0.0 if motion.span is None else self._distance(*motion.span)
+        pushed = float(s.wall_force[:, k] @ s.wall_normal[:, k])
+        return motion.load + motion.stress * extent + pushed - motion.damping * s.wall_rate[k]
+
+    def _distance(self, a: int, b: int) -> float:
+        """Distance of wall b from wall a along a's normal."""
+        s, n = self.state, self.model.particle_count
+        return float((s.x[:, n + b] - s.x[:, n + a]) @ s.wall_normal[:, a])
+
+    # --- forces --------------------------------------------------------------------------------
+
+    def evaluate(self, *, advance: bool) -> None:
+        """Compute all forces and torques at the positions of now; with `advance` springs move on by dt."""
+        s, m = self.state, self.model
+        s.force[:] = 0.0
+        if s.torque is not None:
+            s.torque[:] = 0.0
+        for interaction in self.interactions:
+            forces = interaction.evaluate(s, s.v, s.spin, m.dt, advance=advance)
+            interaction.last = forces
+            interaction.add_to(forces, s.force, s.torque)
+        s.wall_force = s.force[:, m.particle_count :].copy()
+        if m.gravity is not None:
+            s.force[:, self._particles] += np.asarray(m.gravity)[:, None] * m.mass
+        if m.drag is not None:
+            s.force[:, self._particles] -= m.drag * s.v[:, self._particles]
+
+    # --- candidates ----------------------------------------------------------------------------
+
+    def renew_candidates(self) -> None:
+        """Rebuild as soon as two nodes could have closed a gap of one skin since the last build."""
+        moved = np.abs(self.state.x - self._built_at).max(axis=1)
+        if not 2.0 * float(np.sqrt(moved @ moved)) < self.skin:  # also true when a number is NaN
+            self._rebuild()
+
+    def _rebuild(self) -> None:
+        _m, s = self.model, self.state
+        if not np.isfinite(s.x).all():
+            raise KernelUnstable(f"step {s.step}: a position is no longer a finite number")
+        self._refuse_passed_walls()
+        for interaction in self.interactions:
+            interaction.renew(s, self.skin)
+        self._built_at = s.x.copy()
+        self.rebuilds += 1
+
+    def _refuse_passed_walls(self) -> None:
+        s, n = self.state, self.model.particle_count
+        for k, wall in enumerate(self.model.walls):
+            height = s.wall_normal[:, k] @ (s.x[:, :n] - s.x[:, n + k][:, None])
+            if height.size and height.min() <= 0.0:
+                raise KernelUnstable(
+                    f"step {s.step}: the centre of particle {int(height.argmin()) + 1} has passed wall '{wall.name}'"
+                )
+
+
+def _interactions(model: Model) -> list[Interaction]:
+    """Particles with particles, with the rough walls and with the smooth ones: those that exist."""
+    rough = tuple(k for k, w in enumerate(model.walls) if w.friction and model.sliding is not None)
+    smooth = tuple(k for k in range(len(model.walls)) if k not in rough)
+    made = [Interaction(model, walls=None, sliding=model.sliding)]
+    if rough:
+        made.append(Interaction(model, walls=rough, sliding=model.sliding))
+    if smooth:
+        made.append(Interaction(model, walls=smooth, sliding=None))
+    return made

@@ -1,0 +1,55 @@
+"""The moving part: one set of arrays for particles and walls."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from reference.kernel.model import Constant, Model
+from reference.kernel.vectors import spin_components
+
+
+@dataclass(kw_only=True)
+class State:
+    """Node arrays: particles 0..N-1, then walls N..N+W-1.
+
+    x, v, force: (dim, N+W); x of a wall is a point on its plane. spin, torque: (1|3, N+W), zero for
+    walls. radius: (N+W,), 0 for walls. wall_normal: (dim, W). wall_d, wall_rate: (W,) displacement
+    along the normal since the start and its rate. wall_force: (dim, W) force of particles on walls.
+    """
+
+    x: np.ndarray
+    v: np.ndarray
+    spin: np.ndarray
+    radius: np.ndarray
+    force: np.ndarray
+    torque: np.ndarray | None
+    wall_normal: np.ndarray
+    wall_d: np.ndarray
+    wall_rate: np.ndarray
+    wall_force: np.ndarray
+    step: int = 0
+
+
+def initial_state(model: Model) -> State:
+    """Return the state at time 0; walls with a constant velocity have it from the start."""
+    dim, walls = model.dimension, len(model.walls)
+    point = np.array([w.point for w in model.walls], float).reshape(walls, dim).T
+    normal = np.array([w.normal for w in model.walls], float).reshape(walls, dim).T
+    velocity = [w.motion.velocity if isinstance(w.motion, Constant) else (0.0,) * dim for w in model.walls]
+    wall_v = np.array(velocity, float).reshape(walls, dim).T
+    spins = spin_components(dim)
+    nodes = model.particle_count + walls
+    return State(
+        x=np.hstack([model.x, point]),
+        v=np.hstack([model.v, wall_v]),
+        spin=np.hstack([model.spin, np.zeros((spins, walls))]),
+        radius=np.concatenate([model.radius, np.zeros(walls)]),
+        force=np.zeros((dim, nodes)),
+        torque=None if model.sliding is None else np.zeros((spins, nodes)),
+        wall_normal=normal,
+        wall_d=np.zeros(walls),
+        wall_rate=np.einsum("kw,kw->w", wall_v, normal),
+        wall_force=np.zeros((dim, walls)),
+    )

@@ -1,0 +1,97 @@
+import json
+from datetime import UTC, datetime
+
+import msgspec
+import pytest
+
+from harness.runs.outcome import (
+    Damaged,
+    FileRecord,
+    Outcome,
+    describe_outcome,
+    host_facts,
+    read_outcome,
+    write_outcome,
+)
+
+
+def outcome(**changes) -> Outcome:
+    facts = {
+        "status": "completed", "reason": "", "scene_name": "flight", "engine": "fake", "engine_version": "1.0",
+        "harness_version": "0.1.0", "host": host_facts(), "system_digest": "a", "particles_digest": "b",
+        "steps": 12, "particles": 2, "started": datetime(2024, 2, 29, 23, 59, 59, 123456, tzinfo=UTC),
+        "finished": datetime(2024, 3, 1, tzinfo=UTC), "load_average": 0.5, "steps_done": 12,
+        "deck_digest": "c", "timings": {"run": 0.1 + 0.2}, "cpu_seconds": 1 / 3, "wall_seconds": 0.5,
+        "last_lines": ('say "αβ"', "\ufffd"), "reproduce": "cd x && y", "native": "kept as written",
+        "trajectory": FileRecord(size=3, sha256="d"),
+    }
+    return Outcome(**facts | changes)
+
+
+CRASH = {"status": "crashed", "reason": "SIGSEGV", "trajectory": None, "steps_done": 6}
+
+
+@pytest.mark.parametrize("changes", [{}, CRASH, {"partial": ("sliding: partial: x",)}])
+def test_json_round_trip_is_exact(tmp_path, changes):
+    path = tmp_path / "outcome.json"
+    write_outcome(path, outcome(**changes))
+    assert read_outcome(path) == outcome(**changes)
+
+
+@pytest.mark.parametrize("damage", [
+    lambda text: text[: len(text) // 2],
+    lambda text: "",
+    lambda text: text.replace('"completed"', '"fine"'),
+    lambda text: text.replace('"steps": 12', '"steps": "12"'),
+    lambda text: text.replace('"steps": 12,', ""),
+    lambda text: text.replace('"steps": 12', '"steps": 12, "more": 1'),
+    lambda text: text.replace('"completed"', '"crashed"'),
+    lambda text: "[1, 2]",
+])
+def test_wrong_json_is_damaged(tmp_path, damage):
+    path = tmp_path / "outcome.json"
+    write_outcome(path, outcome())
+    text = path.read_text()
+    assert damage(text) != text
+    path.write_text(damage(text))
+    with pytest.raises(Damaged, match=r"outcome\.json is damaged"):
+        read_outcome(path)
+
+
+def test_bytes_that_are_no_text_are_damaged(tmp_path):
+    (tmp_path / "outcome.json").write_bytes(b'{"status": "\xff\xfe"}')
+    with pytest.raises(Damaged):
+        read_outcome(tmp_path / "outcome.json")
+
+
+@pytest.mark.parametrize("wrong", [
+    {"trajectory": None}, {"reason": "but"}, CRASH | {"reason": ""}, {"timings": {"run": float("nan")}},
+    {"timings": {"read": -1.0}},
+])
+def test_impossible_outcomes_are_refused(wrong):
+    with pytest.raises(ValueError):
+        outcome(**wrong)
+
+
+def test_one_line_for_a_completed_run():
+    assert describe_outcome(outcome()) == (
+        "flight, fake 1.0: completed, 12 steps, 2 particles, 0.5 s (cpu 0.333 s)")
+    assert describe_outcome(outcome(partial=("sliding: partial: x",))).endswith("partial: sliding: partial: x")
+
+
+def test_failure_ends_with_the_reproduce_command():
+    line = describe_outcome(outcome(**CRASH, last_lines=("Setting up", "ERROR: lost\n atoms")))
+    assert line == ("flight, fake 1.0: crashed after step 6 of 12: SIGSEGV; last words: ERROR: lost atoms; "
+                    "reproduce: cd x && y")
+
+
+def test_refused_run_gives_its_reason():
+    made = outcome(status="unavailable", reason="build it", trajectory=None, wall_seconds=None, cpu_seconds=None)
+    assert describe_outcome(made) == "flight, fake 1.0: unavailable: build it"
+
+
+def test_host_facts_are_of_this_machine():
+    host = msgspec.to_builtins(host_facts())
+    assert all(host.values())
+    assert json.dumps(host)
+    assert host["cores"] >= 1
