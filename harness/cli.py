@@ -16,7 +16,10 @@ from harness.errors import InputError
 
 def main(arguments: list[str] | None = None) -> int:
     """Run one command; return the exit status."""
-    options = parser().parse_args(arguments)
+    words = sys.argv[1:] if arguments is None else arguments
+    if words[:1] == ["average"]:
+        return _average(words[1:])
+    options = parser().parse_args(words)
     try:
         return options.run(options)
     except InputError as error:
@@ -43,7 +46,7 @@ def parser() -> argparse.ArgumentParser:
     _decks_verb(verbs)
     _run_verb(verbs)
     _compare_verb(verbs)
-    _average_verb(verbs)
+    verbs.add_parser("average", help="the post-processor alone, on a neutral state file")
     return top
 
 
@@ -85,13 +88,6 @@ def _compare_verb(verbs) -> None:
 def _add_run_options(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("--out", type=Path, default=Path("out"), metavar="DIR", help="results and runs; default: out")
     verb.add_argument("--time-limit", type=_seconds, default=3600.0, metavar="S", help="per run, default: %(default)g s")
-
-
-def _average_verb(verbs) -> None:
-    verb = _add(verbs, "average", _average, "the post-processor alone, on a neutral state file")
-    from postproc.average import add_arguments
-
-    add_arguments(verb)
 
 
 def _positive(word: str) -> int:
@@ -169,10 +165,11 @@ def _compare(options) -> int:
     return comparison.exit_status
 
 
-def _average(options) -> int:
-    from postproc.average import run_command
+def _average(words: list[str]) -> int:
+    """The post-processor has its own parser: it is a tool of its own and imports nothing of the harness."""
+    from postproc.average import main as average
 
-    return run_command(options)
+    return average(words, prog="grainproof average")
 
 
 def _usable(out: Path) -> Path:

@@ -17,6 +17,7 @@ import numpy as np
 
 from harness.errors import InputError
 from harness.packing.insertion import LOOSE, insert_loose
+from harness.scene.bodies import read_packing_file
 from harness.scene.model import Preparation, RandomParticles
 
 METHOD = 1
@@ -49,21 +50,21 @@ def make_packing(
 ) -> Packing:
     """Return the packing of this seed (or the relaxed packing of the file that the scene names).
 
-    Raises InputError when the packing cannot be brought to balance.
+    Raises InputError for a broken packing file, or when the packing cannot be brought to balance.
     """
-    start = _file_bytes(particles, scene_folder)
+    start = None if particles.packing is None else read_packing_file(scene_folder, particles.packing)
     key = {
         "method": METHOD, "count": particles.count, "seed": seed, "stiffness": stiffness,
         "radius": None if particles.radius is None else [particles.radius.min, particles.radius.max],
         "pressure": preparation.pressure, "tolerance": preparation.residual_tolerance,
-        "file": None if start is None else hashlib.sha256(start).hexdigest(),
+        "file": None if start is None else [hashlib.sha256(a.tobytes()).hexdigest() for a in start],
     }
     name = hashlib.sha256(json.dumps(key, sort_keys=True).encode()).hexdigest()[:16]
     path = cache / f"packing-{name}.csv"
     cached = _read_cached(path)
     if cached is not None:
         return cached
-    x, radius, box = _loose(particles, seed) if start is None else _from_file(particles, scene_folder)
+    x, radius, box = _loose(particles, seed) if start is None else _in_its_box(*start)
     return _store(path, key, _relaxed(x, radius, box, preparation, stiffness, particles), radius)
 
 
@@ -75,23 +76,10 @@ def _loose(particles: RandomParticles, seed: int):
     return x * shrink, radius, (side * shrink, side * shrink)
 
 
-def _from_file(particles: RandomParticles, scene_folder: Path):
-    from harness.scene.resolve import read_packing_file
-
-    x, radius = read_packing_file(scene_folder, particles.packing)
-    low = (x - radius[:, None]).min(axis=0)
-    x = x - low
-    return x.T, radius, tuple((x + radius[:, None]).max(axis=0))
-
-
-def _file_bytes(particles: RandomParticles, scene_folder: Path) -> bytes | None:
-    if particles.packing is None:
-        return None
-    path = scene_folder / particles.packing
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise InputError(file=path, expected="a packing file id,x,y,radius", got=error.strerror) from error
+def _in_its_box(x: np.ndarray, radius: np.ndarray):
+    """Shift centres (N, 2) into the smallest box around the discs, its lower left corner at the origin."""
+    x = x - (x - radius[:, None]).min(axis=0)
+    return x.T, radius, tuple((x + radius[:, None]).max(axis=0).tolist())
 
 
 def _relaxed(x, radius, box, preparation: Preparation, stiffness: float, particles: RandomParticles):
@@ -118,22 +106,27 @@ def _store(path: Path, key: dict, relaxed, radius: np.ndarray) -> Packing:
     rows = np.column_stack([relaxed.x.T, radius])
     lines = (",".join([str(k + 1), *(f"{v:.17g}" for v in row)]) for k, row in enumerate(rows))
     text = "\n".join(["id,x,y,radius", *lines]) + "\n"
-    facts = {"key": key, "box": list(relaxed.box), "residual": relaxed.residual, "contacts": relaxed.contacts,
-             "sha256": hashlib.sha256(text.encode()).hexdigest()}
+    facts = {"key": key, "box": list(relaxed.box), "residual": relaxed.residual, "contacts": relaxed.contacts}
     path.parent.mkdir(parents=True, exist_ok=True)
     write_text_atomic(path, text)
-    write_json_atomic(path.with_suffix(".json"), facts)
+    write_json_atomic(path.with_suffix(".json"), facts | {"sha256": _checksum(text.encode(), facts)})
     return _read_cached(path)
+
+
+def _checksum(table: bytes, facts: dict) -> str:
+    """SHA-256 of both files, without the checksum itself: the box stands in one, the discs in the other."""
+    return hashlib.sha256(table + json.dumps(facts, sort_keys=True).encode()).hexdigest()
 
 
 def _read_cached(path: Path) -> Packing | None:
     """Return the cached packing, or None when it is missing or damaged (then it is made anew)."""
     try:
         text = path.read_bytes()
-        facts = json.loads(path.with_suffix(".json").read_text())
-    except (OSError, json.JSONDecodeError):
+        facts = json.loads(path.with_suffix(".json").read_bytes())
+        checksum = facts.pop("sha256")
+    except (OSError, ValueError, KeyError, AttributeError, TypeError):
         return None
-    if hashlib.sha256(text).hexdigest() != facts.get("sha256"):
+    if checksum != _checksum(text, facts):
         return None
     table = np.loadtxt(text.decode().splitlines()[1:], delimiter=",", ndmin=2)
     return Packing(

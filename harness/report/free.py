@@ -8,6 +8,8 @@ from harness.report import figures
 from harness.report.page import Figure, Section
 
 if TYPE_CHECKING:
+    from harness.scene.system import System
+    from harness.studies.compare.exits import ExitValues
     from harness.studies.compare.study import Comparison
 
 
@@ -36,22 +38,33 @@ COLLISION_NOTE = (
 
 def exit_rows(comparison: Comparison) -> list[dict]:
     """One row an engine and body: final velocity and spin with all digits that a double has."""
-    axes = "xyz"[: comparison.starts[0].system.dimension]
+    system = comparison.starts[0].system
+    return [row for e, x in comparison.result.exits.items() for row in exit_table(e, x, system)]
+
+
+def exit_table(engine: str, exits: ExitValues, system: System) -> list[dict]:
+    """One row a body."""
+    axes = "xyz"[: system.dimension]
     spins = ("wz",) if len(axes) == 2 else ("wx", "wy", "wz")
     return [
-        {"engine": e, "body": k + 1,
-         **{f"v{a} (m/s)": float(v) for a, v in zip(axes, x.velocity[k], strict=True)},
-         **{f"{w} (rad/s)": float(v) for w, v in zip(spins, x.spin[k], strict=True)}}
-        for e, x in comparison.result.exits.items() for k in range(len(x.velocity))
+        {"engine": engine, "body": k + 1,
+         **{f"v{a} (m/s)": float(v) for a, v in zip(axes, velocity, strict=True)},
+         **{f"{w} (rad/s)": float(v) for w, v in zip(spins, exits.spin[k], strict=True)}}
+        for k, velocity in enumerate(exits.velocity)
     ]
 
 
 def collision_rows(comparison: Comparison) -> list[dict]:
     """One row an engine and collision."""
+    return [row for e, x in comparison.result.exits.items() for row in collision_table(e, x)]
+
+
+def collision_table(engine: str, exits: ExitValues) -> list[dict]:
+    """One row a collision, in order of time."""
     return [
-        {"engine": e, "i": c.i, "j": c.j, "begin (s)": c.begin, "contact time (s)": c.duration,
+        {"engine": engine, "i": c.i, "j": c.j, "begin (s)": c.begin, "contact time (s)": c.duration,
          "largest overlap (m)": c.largest_overlap, "restitution": c.restitution}
-        for e, x in comparison.result.exits.items() for c in x.collisions
+        for c in exits.collisions
     ]
 
 

@@ -67,7 +67,8 @@ class RunFolder:
         identity = {"system": system.identity(), "engine": engine, "version": version, "schema": SCHEMA}
         digest = hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()
         readable = re.sub(r"[^A-Za-z0-9_.]+", "_", system.scene_name)[:40].lstrip(".") or "scene"
-        return RunFolder(root=Path(root).absolute(), name=f"{readable}-{engine}-{digest[:12]}", identity=identity)
+        name = f"{readable}-{engine.replace(':', '-')}-{digest[:12]}"
+        return RunFolder(root=Path(root).absolute(), name=name, identity=identity)
 
     @property
     def path(self) -> Path:

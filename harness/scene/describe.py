@@ -45,6 +45,21 @@ def known_keys(node: types.Type, data: object) -> list[str]:
     return tag + [f.encode_name for f in table.fields]
 
 
+def missing_tag(data: object, node: types.Type | None = None, keys: tuple[Key, ...] = ()) -> tuple[Key, ...] | None:
+    """Return the place of a tag (`kind`, `law`) that valid data leave out; None if all are there.
+
+    msgspec lets a tag be absent where only one kind exists so far; a scene has to say it.
+    """
+    node = node or scene_type()
+    if isinstance(data, dict):
+        table = _table(node, data)
+        if table.tag_field and table.tag_field not in data:
+            return (*keys, table.tag_field)
+    items = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ()
+    inner = (missing_tag(v, _step(node, data, k), (*keys, k)) for k, v in items if isinstance(v, dict | list))
+    return next((place for place in inner if place), None)
+
+
 def describe(node: types.Type) -> str:
     """Say what is expected: "a number > 0", '"sphere" or "disc"', "an array of 2 numbers"."""
     if isinstance(node, types.Metadata):
@@ -88,8 +103,9 @@ _SCALARS = {
 
 def _bounds(node: types.Type) -> str:
     signs = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
-    given = [f"{sign} {getattr(node, n):g}" for n, sign in signs.items() if getattr(node, n, None) is not None]
-    return f" {' and '.join(given)}" if given else ""
+    given = {sign: getattr(node, name, None) for name, sign in signs.items()}
+    text = " and ".join(f"{sign} {bound}" for sign, bound in given.items() if bound is not None)
+    return f" {text}" if text else ""
 
 
 def _describe_union(node: types.UnionType) -> str:

@@ -6,15 +6,24 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from harness.scene.fault import show
-from harness.scene.model import Biaxial, ConstantMotion, CosineMotion, LoadedMotion, Plane, Scene
-from harness.scene.system import System
+from harness.scene.model import (
+    Background,
+    Biaxial,
+    ConstantMotion,
+    CosineMotion,
+    LinearNormal,
+    LoadedMotion,
+    Scene,
+    SpringSliding,
+)
+from harness.scene.system import Constant, Cosine, Loaded, System
 
 
 @dataclass(frozen=True, kw_only=True)
 class Effect:
     """One mechanism: on because `place` of the scene says so (`reason`), off because it does not.
 
-    brings: what it adds to the physics when on, what its absence means when off.
+    brings: what it adds to the physics; of an effect that is off, what its absence means.
     """
 
     name: str
@@ -24,109 +33,157 @@ class Effect:
     brings: str
 
 
-Finding = tuple[bool, str, str]
-"""Whether it is on, the place in the scene, what stands there."""
+@dataclass(frozen=True, kw_only=True)
+class Parts:
+    """What decides on effects, of a scene or of a system alike; walls by name."""
+
+    normal: LinearNormal
+    sliding: SpringSliding | None
+    background: Background | None
+    gravity: tuple[float, ...] | None
+    periodic: tuple[float, ...] | None
+    rough: tuple[str, ...]
+    driven: tuple[str, ...]
+    loaded: tuple[str, ...]
+    spinning: bool
+
+
+@dataclass(frozen=True, kw_only=True)
+class Kind:
+    """An effect that scenes can call for: where they do, whether these parts do, and what it means.
+
+    find returns what stands there when the effect is on, "" when it is off.
+    """
+
+    place: str
+    find: Callable[[Parts], str]
+    absent: str
+    brings: str
+    without: str
 
 
 def effects(scene: Scene, system: System | None = None) -> tuple[Effect, ...]:
-    """Return all effects that a scene can call for, in the order of the registry.
+    """Return all effects that a scene can call for; `system` knows initial spins that stand in a file."""
+    parts = parts_of_scene(scene) if system is None else parts_of_system(system)
+    places = BOX_PLACES if isinstance(scene, Biaxial) else {}
+    return tuple(_effect(name, kind, kind.find(parts), places.get(name)) for name, kind in EFFECTS.items())
 
-    `system` tells whether particles from a file spin.
-    """
-    found = ((name, brings, finder(scene, system)) for name, (finder, brings) in EFFECTS.items())
-    return tuple(
-        Effect(name=name, on=on, place=place, reason=reason, brings=brings[not on])
-        for name, brings, (on, place, reason) in found
+
+def effects_on(system: System) -> tuple[str, ...]:
+    """Return the names of the effects that an engine must compute for this system."""
+    parts = parts_of_system(system)
+    return tuple(name for name, kind in EFFECTS.items() if kind.find(parts))
+
+
+def parts_of_system(system: System) -> Parts:
+    """Return the parts of resolved numbers."""
+    return Parts(
+        normal=system.normal, sliding=system.sliding, background=system.background,
+        gravity=system.gravity, periodic=system.periodic,
+        rough=tuple(w.name for w in system.walls if w.friction),
+        driven=tuple(w.name for w in system.walls if isinstance(w.motion, Constant | Cosine)),
+        loaded=tuple(w.name for w in system.walls if isinstance(w.motion, Loaded)),
+        spinning=bool(system.particles.spin.any()),
     )
 
 
-def _normal_contact(scene: Scene, _) -> Finding:
-    return True, "contact.normal", f"k_n = {scene.contact.normal.normal_stiffness:g} N/m"
-
-
-def _normal_damping(scene: Scene, _) -> Finding:
-    gamma = scene.contact.normal.normal_damping
-    return gamma > 0, "contact.normal.normal_damping", f"{gamma:g} kg/s"
-
-
-def _attraction(scene: Scene, _) -> Finding:
-    normal = scene.contact.normal
-    on = normal.attraction == "allowed" and normal.normal_damping > 0
-    return on, "contact.normal.attraction", normal.attraction if normal.normal_damping else "no damping"
-
-
-def _sliding(scene: Scene, _) -> Finding:
-    sliding = scene.contact.sliding
-    return _table("contact.sliding", sliding, lambda: f"mu = {sliding.shear_friction:g}")
-
-
-def _wall_friction(scene: Scene, _) -> Finding:
+def parts_of_scene(scene: Scene) -> Parts:
+    """Return the parts of a scene, before its particles are known."""
+    shared = {"normal": scene.contact.normal, "sliding": scene.contact.sliding, "background": scene.background}
     if isinstance(scene, Biaxial):
-        return False, "kind", "the walls of the biaxial box are smooth"
-    rough = [p.name for p in scene.planes if p.friction]
-    return bool(rough), "planes.friction", ", ".join(rough) or "no plane with friction"
+        return Parts(
+            **shared, gravity=None, periodic=None, rough=(), driven=("top",), loaded=("right",), spinning=False
+        )
+    return Parts(
+        **shared, gravity=scene.gravity, periodic=scene.periodic,
+        rough=tuple(p.name for p in scene.planes if p.friction),
+        driven=tuple(p.name for p in scene.planes if isinstance(p.motion, ConstantMotion | CosineMotion)),
+        loaded=tuple(p.name for p in scene.planes if isinstance(p.motion, LoadedMotion)),
+        spinning=any(any(b.spin or ()) for b in scene.bodies),
+    )
 
 
-def _rotation(scene: Scene, system: System | None) -> Finding:
-    if scene.contact.sliding is not None:
-        return True, "contact.sliding", "friction turns the particles"
-    if system is not None and system.particles.spin.any():
-        return True, "bodies.spin", "initial spins, which nothing changes"
-    return False, "contact.sliding", "no table: no torque acts"
+def _effect(name: str, kind: Kind, found: str, place: str | None) -> Effect:
+    return Effect(
+        name=name, on=bool(found), place=place or kind.place, reason=found or kind.absent,
+        brings=kind.brings if found else kind.without,
+    )
 
 
-def _background(scene: Scene, _) -> Finding:
-    drag = scene.background
-    return _table("background", drag, lambda: f"c = {drag.translational_drag:g} kg/s")
+def _damping(parts: Parts) -> str:
+    gamma = parts.normal.normal_damping
+    return f"{gamma:g} kg/s" if gamma else ""
 
 
-def _gravity(scene: Scene, _) -> Finding:
-    gravity = None if isinstance(scene, Biaxial) else scene.gravity
-    return _table("gravity", gravity, lambda: f"{show(gravity)} m/s^2")
+def _attraction(parts: Parts) -> str:
+    return "allowed" if parts.normal.attraction == "allowed" and parts.normal.normal_damping else ""
 
 
-def _periodic(scene: Scene, _) -> Finding:
-    lengths = None if isinstance(scene, Biaxial) else scene.periodic
-    return _table("periodic", lengths, lambda: f"{show(lengths)} m")
+def _sliding(parts: Parts) -> str:
+    return f"mu = {parts.sliding.shear_friction:g}" if parts.sliding else ""
 
 
-def _driven_walls(scene: Scene, _) -> Finding:
-    if isinstance(scene, Biaxial):
-        return True, "top", f"{scene.top.final_strain:g} strain in {scene.top.duration:g} s"
-    return _planes_with(scene.planes, ConstantMotion | CosineMotion)
+def _rotation(parts: Parts) -> str:
+    if parts.sliding:
+        return "friction turns the particles"
+    return "initial spins, which nothing changes" if parts.spinning else ""
 
 
-def _wall_inertia(scene: Scene, _) -> Finding:
-    if isinstance(scene, Biaxial):
-        return True, "side", f"p = {scene.side.pressure:g} N/m on a mass of {scene.side.mass:g} kg"
-    return _planes_with(scene.planes, LoadedMotion)
+def _background(parts: Parts) -> str:
+    return f"c = {parts.background.translational_drag:g} kg/s" if parts.background else ""
 
 
-def _planes_with(planes: tuple[Plane, ...], motion: type) -> Finding:
-    names = [p.name for p in planes if isinstance(p.motion, motion)]
-    return bool(names), "planes.motion", ", ".join(names) or "no plane with such a motion"
+def _names(walls: tuple[str, ...]) -> str:
+    return ("wall " if len(walls) == 1 else "walls ") + ", ".join(walls) if walls else ""
 
 
-def _table(place: str, table: object, text: Callable[[], str]) -> Finding:
-    return (True, place, text()) if table is not None else (False, place, "no table")
-
-
-EFFECTS: dict[str, tuple[Callable[[Scene, System | None], Finding], tuple[str, str]]] = {
-    "normal contact": (_normal_contact, ("repulsion that grows with the overlap", "")),
-    "normal damping": (_normal_damping, ("energy loss in collisions: restitution below 1", "elastic collisions")),
-    "damping attraction": (
-        _attraction,
-        ("the dashpot may hold bodies back just before they part", "contact forces never pull"),
+EFFECTS: dict[str, Kind] = {
+    "normal contact": Kind(
+        place="contact.normal", find=lambda p: f"k_n = {p.normal.normal_stiffness:g} N/m",
+        absent="", brings="repulsion that grows with the overlap", without="",
     ),
-    "sliding friction": (
-        _sliding, ("tangential spring with history and Coulomb limit", "no tangential force, no history")
+    "normal damping": Kind(
+        place="contact.normal.normal_damping", find=_damping, absent="0",
+        brings="energy loss in collisions: restitution below 1", without="elastic collisions",
     ),
-    "wall friction": (_wall_friction, ("walls carry shear and turn particles", "smooth walls: normal forces only")),
-    "rotation": (_rotation, ("spins and moments of inertia", "no spin, no moment of inertia")),
-    "background drag": (_background, ("calms all motion relative to the ground", "contacts alone dissipate")),
-    "gravity": (_gravity, ("weight", "no weight")),
-    "periodic axes": (_periodic, ("no boundary along these axes", "open axes")),
-    "driven walls": (_driven_walls, ("walls that move as prescribed", "no wall moves as prescribed")),
-    "loaded walls": (_wall_inertia, ("walls with mass, moved by load and particles", "no wall with mass")),
+    "damping attraction": Kind(
+        place="contact.normal.attraction", find=_attraction, absent="clipped, or no damping that could pull",
+        brings="the dashpot may hold bodies back just before they part", without="contact forces never pull",
+    ),
+    "sliding friction": Kind(
+        place="contact.sliding", find=_sliding, absent="no table",
+        brings="tangential spring with history and Coulomb limit", without="no tangential force, no history",
+    ),
+    "wall friction": Kind(
+        place="planes.friction", find=lambda p: _names(p.rough), absent="no wall with friction",
+        brings="walls carry shear and turn particles", without="smooth walls: normal forces only",
+    ),
+    "rotation": Kind(
+        place="contact.sliding", find=_rotation, absent="no table: no torque acts",
+        brings="spins and moments of inertia", without="no spin, no moment of inertia",
+    ),
+    "background drag": Kind(
+        place="background", find=_background, absent="no table",
+        brings="all motion relative to the ground is calmed", without="contacts and walls alone dissipate",
+    ),
+    "gravity": Kind(
+        place="gravity", find=lambda p: f"{show(p.gravity)} m/s^2" if p.gravity else "", absent="no table",
+        brings="weight", without="no weight",
+    ),
+    "periodic axes": Kind(
+        place="periodic", find=lambda p: f"{show(p.periodic)} m" if p.periodic else "", absent="no table",
+        brings="no boundary along these axes", without="open axes",
+    ),
+    "driven walls": Kind(
+        place="planes.motion", find=lambda p: _names(p.driven), absent="no such motion",
+        brings="walls that move as prescribed", without="no wall moves as prescribed",
+    ),
+    "loaded walls": Kind(
+        place="planes.motion", find=lambda p: _names(p.loaded), absent="no such motion",
+        brings="walls with mass, moved by load and particles", without="no wall with mass",
+    ),
 }
-"""One row an effect: who finds it, what it brings when on and what its absence means."""
+"""All effects by name; a new one is one row here."""
+
+BOX_PLACES = {"driven walls": "top", "loaded walls": "side", "wall friction": "kind"}
+"""Where the biaxial box says what free scenes say of their planes."""

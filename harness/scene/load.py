@@ -66,9 +66,13 @@ def _convert(data: dict, path: Path) -> Scene:
     if fault:
         raise fault.error(path)
     try:
-        return msgspec.convert(data, Scene)
+        scene = msgspec.convert(data, Scene)
     except msgspec.ValidationError as error:
         raise _schema_fault(str(error), data).error(path) from None
+    place = describe.missing_tag(data)
+    if place:
+        raise _missing(data, list(place)).error(path)
+    return scene
 
 
 def _number_faults(value: object, keys: list) -> Iterator[Fault]:
@@ -89,13 +93,15 @@ def _schema_fault(message: str, data: dict) -> Fault:
         return _unknown_key(data, keys)
     missing = re.match(r"Object missing required field `(\w+)`", message)
     if missing:
-        keys = [*keys, missing[1]]
+        return _missing(data, [*keys, missing[1]])
     node, value = describe.type_at(data, keys), describe.value_at(data, keys)
     fix = describe.nearest(value, describe.choices(node)) if isinstance(value, str) else ""
-    return Fault(
-        place=path_text(keys), expected=describe.describe(node), got=show(value),
-        fix=f"add {missing[1]}" if missing else fix,
-    )
+    return Fault(place=path_text(keys), expected=describe.describe(node), got=show(value), fix=fix)
+
+
+def _missing(data: dict, keys: list) -> Fault:
+    expected = describe.describe(describe.type_at(data, keys))
+    return Fault(place=path_text(keys), expected=expected, got="nothing", fix=f"add {keys[-1]}")
 
 
 def _unknown_key(data: dict, keys: list) -> Fault:

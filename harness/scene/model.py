@@ -169,7 +169,7 @@ class Compare(Table):
 
     packings: Count = 1
     windows: tuple[Window, ...] = ()
-    plateau: Annotated[tuple[float, float], Meta(description="strain range of the plateau")] | None = None
+    plateau: Annotated[tuple[float, float], Meta(description="two numbers, a range of strains")] | None = None
     published: tuple[str, ...] = ()
     """Names of `reference/values/*.toml` that hold under this scene's conditions."""
 

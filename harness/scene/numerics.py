@@ -82,7 +82,7 @@ def stability_limit(scene: Scene, grains: Grains) -> StabilityLimit:
     cases bound the translations (w^2 = 6 k/m without friction, exact) and the spins of a triangular
     lattice of equal particles; 12 lies above the exact 8 of FCC. A wall with mass M touched by n
     particles: w^2 = 2 n k_n/M, 2 zeta w = (2 n gamma_n + gamma_wall)/M.
-    Measured in dense disc packings (LAMMPS, LIGGGHTS): unstable from about 1.1 to 1.9 times this limit.
+    Dense disc packings became unstable at 1.2 times this limit or later (measured, LAMMPS and LIGGGHTS).
     """
     square, rate = _particle_rates(scene.contact, grains)
     if scene.background:

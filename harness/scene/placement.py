@@ -18,15 +18,18 @@ COINCIDENT = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class Origin:
-    """The file in which particles were written, and the place of each: ``bodies[3]`` or ``line 12``."""
+    """The file in which particles were written, and the place of each: ``bodies[3]`` or ``line 12``.
+
+    separator stands between a place and a key of the particle.
+    """
 
     file: Path
     places: Sequence[str]
+    separator: str = ", "
 
     def at(self, index: int, key: str) -> str:
         """Return the place of a key of one particle."""
-        place = self.places[index]
-        return f"{place}, {key}" if place.startswith("line") else f"{place}.{key}"
+        return f"{self.places[index]}{self.separator}{key}"
 
 
 def component_faults(bodies: Sequence[Body], dimension: int, origin: Origin) -> Iterator[Fault]:

@@ -23,7 +23,7 @@ from harness.scene.placement import Origin, check_placement, component_faults
 from harness.scene.system import Constant, Cosine, Loaded, Particles, System, Wall
 
 __all__ = [
-    "known_system", "needs_packing", "packing_seeds", "read_packing_file", "resolve", "resolve_biaxial",
+    "known_system", "needs_packing", "read_packing_file", "resolve", "resolve_biaxial",
     "resolve_free", "scene_name",
 ]
 
@@ -48,12 +48,6 @@ def resolve(scene: Scene, file: Path, packing: PackedDiscs | None = None) -> Sys
 def needs_packing(scene: Scene) -> bool:
     """Whether `resolve` needs a packing for this kind of scene."""
     return KINDS[type(scene)].packed
-
-
-def packing_seeds(scene: Biaxial) -> tuple[int, ...]:
-    """Seeds of the packings to compare: the scene's own and those that follow; a packing file counts as 0."""
-    first = scene.particles.seed or 0
-    return tuple(range(first, first + scene.compare.packings))
 
 
 def known_system(scene: Scene, file: Path) -> System | None:
@@ -99,7 +93,7 @@ def resolve_free(scene: Free, folder: Path, *, name: str = "scene") -> System:
 def _bodies(scene: Free, folder: Path, file: Path) -> tuple[tuple[Body, ...], Origin]:
     if scene.bodies_file is None:
         places = [f"bodies[{i}]" for i in range(len(scene.bodies))]
-        return scene.bodies, Origin(file=file, places=places)
+        return scene.bodies, Origin(file=file, places=places, separator=".")
     path = folder / scene.bodies_file
     bodies, lines = read_bodies(path, scene.dimension)
     return bodies, Origin(file=path, places=[f"line {n}" for n in lines])
@@ -157,7 +151,7 @@ def resolve_biaxial(
         dimension=2, particles=particles, gravity=None, periodic=None, walls=_box_walls(scene, width, height),
         **_common(scene, _checked_plan(scene, grains, file), name),
     )
-    check_placement(system, Origin(file=file, places=[f"packing, disc {k + 1}" for k in range(len(particles))]))
+    check_placement(system, Origin(file=file, places=[f"disc {k + 1} of the packing" for k in range(len(particles))]))
     return system
 
 

@@ -8,7 +8,7 @@ a file cut short, all raise ReadError with file and line.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -46,18 +46,20 @@ def read_dump(path: Path, *, kind: str, names: Mapping[str, str] | None = None) 
     return frames
 
 
-def read_table(path: Path) -> Columns:
+def read_table(path: Path, *, names: Sequence[str] | None = None) -> Columns:
     """Read a whitespace table whose last leading `#` line names the columns.
 
-    Raises ReadError (file, line) when it has no `#` line, no row, or a damaged row.
+    names: the columns of a table whose first line is a heading without `#`, which is not believed
+    (LIGGGHTS cuts its words to eight letters).
+    Raises ReadError (file, line) when it has no heading, no row, or a damaged row.
     """
     data = _read_bytes(path)
     start, line, header = 0, 1, None
-    while data.startswith(b"#", start):
+    while data.startswith(b"#", start) or (names is not None and start == 0):
         end = data.find(b"\n", start)
         if end < 0:
             raise ReadError(f"{path}: line {line}: cut short in its header")
-        header = data[start + 1 : end].decode("ascii", errors="replace").split()
+        header = data[start:end].decode("ascii", errors="replace").lstrip("#").split()
         start, line = end + 1, line + 1
     if not header:
         raise ReadError(f"{path}: line 1: expected a '#' line that names the columns")
@@ -65,8 +67,9 @@ def read_table(path: Path) -> Columns:
         raise ReadError(f"{path}: holds no row")
     if not data.endswith(b"\n"):
         raise ReadError(f"{path}: line {line + data.count(10, start)}: cut short")
-    table = _numbers(path, data[start:], line, len(header))
-    return Columns(dict(zip(header, table.T, strict=True)), "table")
+    columns = header if names is None else list(names)
+    table = _numbers(path, data[start:], line, len(columns))
+    return Columns(dict(zip(columns, table.T, strict=True)), "table")
 
 
 @dataclass(frozen=True, kw_only=True)

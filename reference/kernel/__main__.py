@@ -20,10 +20,10 @@ def main(folder: Path) -> int:
 
     clock = _Clock()
     model, plan = read_deck(folder)
-    simulation = Simulation(model)
-    clock.lap("setup")
     series = SeriesWriter(folder / SERIES, model)
     try:
+        simulation = Simulation(model)
+        clock.lap("setup")
         with h5py.File(folder / FRAMES, "w") as file:
             file.attrs["dimension"] = model.dimension
             if model.periodic is not None:

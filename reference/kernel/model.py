@@ -16,10 +16,6 @@ from reference.kernel.laws.sliding import SpringSliding
 class Fixed:
     """The wall stays."""
 
-    def displacement(self, time: float) -> float:  # noqa: ARG002
-        """Return 0."""
-        return 0.0
-
 
 @dataclass(frozen=True, kw_only=True)
 class Cosine:
@@ -29,9 +25,15 @@ class Cosine:
     duration: float
 
     def displacement(self, time: float) -> float:
-        """Return d(time), m, positive along the normal."""
+        """Return d(time), m, positive along the normal: travel sin^2(pi t/2T) does not cancel at small t."""
         phase = math.pi * min(time / self.duration, 1.0)
-        return 0.5 * self.travel * (1.0 - math.cos(phase))
+        return self.travel * math.sin(0.5 * phase) ** 2
+
+    def rate(self, time: float) -> float:
+        """Return d'(time) = travel pi/(2T) sin(pi t/T), m/s."""
+        if time >= self.duration:
+            return 0.0
+        return 0.5 * math.pi * self.travel / self.duration * math.sin(math.pi * time / self.duration)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -42,13 +42,19 @@ def pairs_within(model: Model, x: np.ndarray, skin: float) -> tuple[np.ndarray, 
     points, box = x.T, None
     if model.periodic is not None:
         box = np.array(model.periodic)
-        points = np.where(box > 0, np.mod(points, np.where(box > 0, box, 1.0)), points)
+        points = _wrapped(points, box)
     reach = 2.0 * model.radius.max() + skin
     pairs = cKDTree(points, boxsize=box).query_pairs(reach, output_type="ndarray")
     i, j = pairs.min(axis=1), pairs.max(axis=1)
     branch = branch_vectors(model, x, i, j)
     near = np.sqrt(dot(branch, branch)) < model.radius[i] + model.radius[j] + skin
     return i[near], j[near]
+
+
+def _wrapped(points: np.ndarray, box: np.ndarray) -> np.ndarray:
+    """Positions (N, dim) brought into [0, box) on periodic axes; mod alone may round up to the box itself."""
+    inside = np.mod(points, np.where(box > 0, box, 1.0))
+    return np.where(box > 0, np.where(inside < box, inside, 0.0), points)
 
 
 def branch_vectors(model: Model, x: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
@@ -71,8 +77,8 @@ def wall_pairs_within(
     count = model.particle_count
     chosen = np.array(walls)
     n = normal[:, chosen]
-    gap = n.T @ x[:, :count] - dot(n, x[:, count + chosen])[:, None] - model.radius
-    wall, particle = np.nonzero(gap < skin)
+    height = sum(n[axis][:, None] * (x[axis, :count] - x[axis, count + chosen][:, None]) for axis in range(len(x)))
+    wall, particle = np.nonzero(height - model.radius < skin)
     return particle, chosen[wall] + count
 
 

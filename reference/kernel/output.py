@@ -101,8 +101,7 @@ def _contact_rows(simulation: Simulation, interaction, forces) -> dict[str, np.n
         "overlap": c.overlap,
     }
     if m.sliding is not None:
-        spring = np.full_like(c.n, 0.0 if interaction.sliding is None else np.nan)
-        spring = spring if forces.spring is None else forces.spring
+        spring = np.zeros_like(c.n) if forces.spring is None else forces.spring  # a smooth wall stretches none
         rows |= dict(zip((f"u{a}" for a in axes), spring, strict=True))
     return rows
 

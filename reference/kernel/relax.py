@@ -15,7 +15,7 @@ import numpy as np
 from reference.kernel.conventions import TALK
 from reference.kernel.laws.linear import LinearNormal
 from reference.kernel.model import Model, Wall
-from reference.kernel.simulation import Simulation
+from reference.kernel.simulation import KernelUnstable, Simulation
 from reference.kernel.vectors import norm
 
 
@@ -42,8 +42,15 @@ def relax_in_box(x, radius, box, *, stiffness, pressure, tolerance, max_iteratio
     box keeps its size and the tolerance is taken relative to `stiffness` times the mean radius.
     Raises NotRelaxed.
     """
-    simulation = Simulation(_frictionless(x, radius, box, stiffness))
-    system = _Enthalpy(simulation, pressure)
+    try:
+        return _minimised(_frictionless(x, radius, box, stiffness), pressure, tolerance, max_iterations)
+    except KernelUnstable as reason:
+        raise NotRelaxed(str(reason)) from reason
+
+
+def _minimised(model: Model, pressure: float, tolerance: float, max_iterations: int) -> Relaxed:
+    system = _Enthalpy(Simulation(model), pressure)
+    radius, stiffness = model.radius, model.normal.normal_stiffness
     scale = stiffness * float(radius.mean()) if pressure == 0 else None
     fire = _Fire(system.size)
     largest_step = 0.1 * float(radius.min())
@@ -139,7 +146,7 @@ class _Fire:
         self.dt, self.mix, self.downhill = self.start_dt, self.start_mix, 0
 
     def displacement(self, force: np.ndarray) -> np.ndarray:
-        if float(self.v @ force) > 0.0:
+        if _inner(self.v, force) > 0.0:
             self.downhill += 1
             if self.downhill > self.delay:
                 self.dt = min(self.dt * self.grow, self.max_dt)
@@ -149,8 +156,13 @@ class _Fire:
             self.dt, self.mix, self.downhill = self.dt * self.shrink, self.start_mix, 0
             self.dt = max(self.dt, 1e-3)
         self.v += self.dt * force
-        size = float(np.sqrt(force @ force))
+        size = float(np.sqrt(_inner(force, force)))
         if size > 0.0:
-            speed = float(np.sqrt(self.v @ self.v))
+            speed = float(np.sqrt(_inner(self.v, self.v)))
             self.v = (1.0 - self.mix) * self.v + (self.mix * speed / size) * force
         return self.dt * self.v
+
+
+def _inner(a: np.ndarray, b: np.ndarray) -> float:
+    """Inner product by elementwise arithmetic and pairwise sums: the same bits on every machine."""
+    return float((a * b).sum())

@@ -14,8 +14,10 @@ from __future__ import annotations
 import numpy as np
 
 from reference.kernel.interactions import Forces, Interaction
-from reference.kernel.model import Constant, Loaded, Model
+from reference.kernel.laws.contact import Touching
+from reference.kernel.model import Constant, Fixed, Loaded, Model
 from reference.kernel.state import initial_state
+from reference.kernel.vectors import dot
 
 SKIN_IN_RADII = 0.1
 """Skin of the candidate list in units of the mean radius: results do not depend on it."""
@@ -37,6 +39,9 @@ class Simulation:
         self.skin = SKIN_IN_RADII * float(model.radius.mean()) if skin is None else skin
         self.rebuilds = 0
         n = model.particle_count
+        self._wall_point = self.state.x[:, n:].copy()
+        moving = ((k, w.motion) for k, w in enumerate(model.walls) if not isinstance(w.motion, Fixed))
+        self._moving_walls = tuple(moving)
         self._inverse_mass = 1.0 / model.mass
         self._inverse_inertia = 1.0 / model.inertia
         self._particles = slice(0, n)
@@ -80,27 +85,26 @@ class Simulation:
 
     def _move_walls(self) -> None:
         """Walls reach their place at the end of the step; their velocity is that of the half step."""
-        dt = self.model.dt
-        for k, wall in enumerate(self.model.walls):
-            if isinstance(wall.motion, Loaded):
-                self.state.wall_rate[k] += 0.5 * dt * self._wall_acceleration[k]
-                self._shift_wall(k, self.state.wall_d[k] + dt * self.state.wall_rate[k])
-            elif not isinstance(wall.motion, Constant):
-                self._shift_wall(k, wall.motion.displacement(self.time))
-            else:
+        s, dt = self.state, self.model.dt
+        for k, motion in self._moving_walls:
+            if isinstance(motion, Loaded):
+                s.wall_rate[k] += 0.5 * dt * self._wall_acceleration[k]
+                self._shift_wall(k, s.wall_d[k] + dt * s.wall_rate[k])
+            elif isinstance(motion, Constant):
                 node = self.model.particle_count + k
-                self.state.x[:, node] += dt * self.state.v[:, node]
-                self.state.wall_d[k] = self.time * self.state.wall_rate[k]
+                s.x[:, node] = self._wall_point[:, k] + self.time * s.v[:, node]
+                s.wall_d[k] = self.time * s.wall_rate[k]
+            else:
+                self._shift_wall(k, motion.displacement(self.time))
+                s.wall_rate[k] = motion.rate(self.time)
 
     def _shift_wall(self, k: int, displacement: float) -> None:
-        """Set the wall's displacement along its normal; its velocity follows from the difference."""
+        """Set the wall's displacement along its normal; its velocity is the mean one of the step."""
         s, node = self.state, self.model.particle_count + k
-        rate = (displacement - s.wall_d[k]) / self.model.dt
+        mean_rate = (displacement - s.wall_d[k]) / self.model.dt
         s.wall_d[k] = displacement
-        s.x[:, node] = np.asarray(self.model.walls[k].point) + displacement * s.wall_normal[:, k]
-        s.v[:, node] = rate * s.wall_normal[:, k]
-        if not isinstance(self.model.walls[k].motion, Loaded):
-            s.wall_rate[k] = rate
+        s.x[:, node] = self._wall_point[:, k] + displacement * s.wall_normal[:, k]
+        s.v[:, node] = mean_rate * s.wall_normal[:, k]
 
     def _kick_loaded_walls(self) -> None:
         self._wall_acceleration = self._loaded_accelerations()
@@ -108,20 +112,20 @@ class Simulation:
             self.state.wall_rate[k] += 0.5 * self.model.dt * acceleration
 
     def _loaded_accelerations(self) -> dict[int, float]:
-        loaded = ((k, w.motion) for k, w in enumerate(self.model.walls) if isinstance(w.motion, Loaded))
+        loaded = ((k, motion) for k, motion in self._moving_walls if isinstance(motion, Loaded))
         return {k: self._loaded_force(k, motion) / motion.mass for k, motion in loaded}
 
     def _loaded_force(self, k: int, motion: Loaded) -> float:
         """Return load + stress * extent + F.n - damping d', with the half-step rate d'."""
         s = self.state
         extent = 0.0 if motion.span is None else self._distance(*motion.span)
-        pushed = float(s.wall_force[:, k] @ s.wall_normal[:, k])
+        pushed = float(dot(s.wall_force[:, k], s.wall_normal[:, k]))
         return motion.load + motion.stress * extent + pushed - motion.damping * s.wall_rate[k]
 
     def _distance(self, a: int, b: int) -> float:
         """Distance of wall b from wall a along a's normal."""
         s, n = self.state, self.model.particle_count
-        return float((s.x[:, n + b] - s.x[:, n + a]) @ s.wall_normal[:, a])
+        return float(dot(s.x[:, n + b] - s.x[:, n + a], s.wall_normal[:, a]))
 
     # --- forces --------------------------------------------------------------------------------
 
@@ -135,6 +139,8 @@ class Simulation:
             forces = interaction.evaluate(s, s.v, s.spin, m.dt, advance=advance)
             interaction.last = forces
             interaction.add_to(forces, s.force, s.torque)
+            if interaction.walls is not None:
+                self._refuse_passed_walls(forces.contact)
         s.wall_force = s.force[:, m.particle_count :].copy()
         if m.gravity is not None:
             s.force[:, self._particles] += np.asarray(m.gravity)[:, None] * m.mass
@@ -150,23 +156,21 @@ class Simulation:
             self._rebuild()
 
     def _rebuild(self) -> None:
-        _m, s = self.model, self.state
+        s = self.state
         if not np.isfinite(s.x).all():
             raise KernelUnstable(f"step {s.step}: a position is no longer a finite number")
-        self._refuse_passed_walls()
         for interaction in self.interactions:
             interaction.renew(s, self.skin)
         self._built_at = s.x.copy()
         self.rebuilds += 1
 
-    def _refuse_passed_walls(self) -> None:
+    def _refuse_passed_walls(self, contact: Touching) -> None:
+        """Raise when an overlap with a wall reaches the radius: beyond the centre the plane is no wall."""
         s, n = self.state, self.model.particle_count
-        for k, wall in enumerate(self.model.walls):
-            height = s.wall_normal[:, k] @ (s.x[:, :n] - s.x[:, n + k][:, None])
-            if height.size and height.min() <= 0.0:
-                raise KernelUnstable(
-                    f"step {s.step}: the centre of particle {int(height.argmin()) + 1} has passed wall '{wall.name}'"
-                )
+        passed = np.flatnonzero(contact.overlap >= s.radius.take(contact.i))
+        for c in passed[:1]:
+            wall = self.model.walls[contact.j[c] - n].name
+            raise KernelUnstable(f"step {s.step}: the centre of particle {contact.i[c] + 1} has passed wall '{wall}'")
 
 
 def _interactions(model: Model) -> list[Interaction]:

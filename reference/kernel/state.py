@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from reference.kernel.model import Constant, Model
-from reference.kernel.vectors import spin_components
+from reference.kernel.vectors import dot, spin_components
 
 
 @dataclass(kw_only=True)
@@ -50,6 +50,6 @@ def initial_state(model: Model) -> State:
         torque=None if model.sliding is None else np.zeros((spins, nodes)),
         wall_normal=normal,
         wall_d=np.zeros(walls),
-        wall_rate=np.einsum("kw,kw->w", wall_v, normal),
+        wall_rate=dot(wall_v, normal),
         wall_force=np.zeros((dim, walls)),
     )

@@ -74,11 +74,11 @@ class KernelEngine:
         """Return the last sampled step."""
         return last_step(folder / "series.csv")
 
-    def read(self, folder: Path, system: System) -> Trajectory:  # noqa: ARG002
+    def read(self, folder: Path, system: System) -> Trajectory:
         """Read frames.h5 and series.csv."""
         from postproc.readers.kernel import read_kernel
 
-        return read_kernel(folder)
+        return read_kernel(folder, periodic=system.periodic)
 
     def microseconds_per_step(self, system: System) -> float:
         """Rough cost: 60 us dispatch + 0.2 us a disc with friction, 0.11 without (measured at N = 1936)."""

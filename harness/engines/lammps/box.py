@@ -1,8 +1,10 @@
 """The simulation box: where LAMMPS keeps its atoms, which is not where the walls are.
 
-A face behind an axis-aligned wall is fixed (`f`) with some room: a particle that breaks through the
-wall leaves the box and LAMMPS stops with "Lost atoms". An open face shrink-wraps (`s`): nothing that
-flies can leave. In 2D the z axis is periodic, one unit thick.
+Behind an axis-aligned wall there is little room: a grain that breaks through the wall leaves the box
+and LAMMPS stops with "Lost atoms". On an open side the box ends a million system sizes away, which
+only a run that blew up reaches. (Shrink-wrapped faces would do without that number, but restart files
+written between two neighbour searches cannot be read when a grain has left the box of the last one.)
+In 2D the z axis is periodic, one unit thick.
 """
 
 from __future__ import annotations
@@ -13,35 +15,43 @@ import numpy as np
 
 from harness.scene.system import Constant, Cosine, Loaded, System, Wall
 
-@dataclass(frozen=True, kw_only=True)
-class Face:
-    """One side of the box: its coordinate in m and its LAMMPS style, "p", "f" or "s"."""
+ROOM_IN_RADII = 4.0
+"""Distance of a face from the wall before it, in largest radii."""
+FAR = 1e6
+"""Distance of an open face, in system sizes."""
 
-    position: float
-    style: str
+
+@dataclass(frozen=True, kw_only=True)
+class Axis:
+    """One axis of the box: bounds in m, periodic or not, and whether a side of it is open."""
+
+    low: float
+    high: float
+    periodic: bool = False
+    is_open: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
 class Box:
-    """Three (lower, upper) pairs of faces."""
+    """The three axes."""
 
-    axes: tuple[tuple[Face, Face], ...]
+    axes: tuple[Axis, ...]
 
     @property
     def is_open(self) -> bool:
-        """Can the box grow?"""
-        return any(face.style == "s" for pair in self.axes for face in pair)
+        """Is a side open, so that the box is far larger than what is in it?"""
+        return any(axis.is_open for axis in self.axes)
 
     def styles(self) -> str:
         """Return the words of the `boundary` command."""
-        return " ".join("p" if low.style == "p" else low.style + high.style for low, high in self.axes)
+        return " ".join("p" if axis.periodic else "f" for axis in self.axes)
 
 
 def simulation_box(system: System) -> Box:
     """Return the box of a system; it also holds the origin, where the wall carriers stand."""
     axes = [_axis(system, a) for a in range(system.dimension)]
     if system.dimension == 2:
-        axes.append((Face(position=-0.5, style="p"), Face(position=0.5, style="p")))
+        axes.append(Axis(low=-0.5, high=0.5, periodic=True))
     return Box(axes=tuple(axes))
 
 
@@ -50,19 +60,21 @@ def is_periodic(system: System, axis: int) -> bool:
     return system.periodic is not None and system.periodic[axis] > 0
 
 
-def _axis(system: System, a: int) -> tuple[Face, Face]:
+def _axis(system: System, a: int) -> Axis:
     if is_periodic(system, a):
-        return Face(position=0.0, style="p"), Face(position=system.periodic[a], style="p")
+        return Axis(low=0.0, high=system.periodic[a], periodic=True)
     p = system.particles
-    room = 4.0 * float(p.radius.max())
+    room = ROOM_IN_RADII * float(p.radius.max())
     below, above = _walls_across(system, a, +1.0), _walls_across(system, a, -1.0)
-    ends = [*_carrier(system), *(p.x[:, a] - p.radius), *(p.x[:, a] + p.radius), *(w.point[a] for w in below + above)]
+    ends = [*_carrier(system), *(p.x[:, a] - p.radius), *(p.x[:, a] + p.radius)]
+    ends += [w.point[a] for w in below + above]
     extent = max(ends) - min(ends)
-    low = min([*ends, *(w.point[a] + _lowest(system, w, extent) for w in below)])
-    high = max([*ends, *(w.point[a] - _lowest(system, w, extent) for w in above)])
-    return (
-        Face(position=low - room, style="f" if below else "s"),
-        Face(position=high + room, style="f" if above else "s"),
+    low = min([*ends, *(w.point[a] + _lowest(system, w, extent) for w in below)]) - room
+    high = max([*ends, *(w.point[a] - _lowest(system, w, extent) for w in above)]) + room
+    return Axis(
+        low=low if below else low - FAR * extent,
+        high=high if above else high + FAR * extent,
+        is_open=not (below and above),
     )
 
 

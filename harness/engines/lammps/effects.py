@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from harness.engines.lammps.packing import INTEGRATORS, kinds
-from harness.engines.lammps.text import number, numbers
+from harness.engines.text import number, numbers
 from harness.scene.model import Background
 from harness.scene.system import System
 

@@ -12,7 +12,7 @@ last bit and a normal damping thirty orders below it, lost in rounding against k
 
 from __future__ import annotations
 
-from harness.engines.lammps.text import number
+from harness.engines.text import number
 from harness.scene.model import LinearNormal, SpringSliding
 
 TINY = 2.0**-100

@@ -6,11 +6,9 @@ import math
 
 from harness.engines.lammps.box import Box
 from harness.engines.lammps.packing import kinds, loaded_walls
-from harness.engines.lammps.text import number
+from harness.engines.text import number
 from harness.scene.system import System
 
-MAX_ALL_PAIRS = 4000
-"""Up to this many grains an open box searches all pairs (some ms a search): its bins would grow with it."""
 DEFAULT_ONE = 2000
 """Neighbours of one atom LAMMPS has room for; beyond it dies without a message."""
 SKIN = 0.1
@@ -18,11 +16,13 @@ SKIN = 0.1
 
 
 def neighbour_lines(system: System, box: Box) -> list[str]:
-    """Return search style, rebuild rule, and the exclusion of the wall carriers."""
-    all_pairs = box.is_open and len(system.particles) <= MAX_ALL_PAIRS
+    """Return search style, rebuild rule, and the exclusion of the wall carriers.
+
+    A box with an open side is too large for bins: all pairs are searched (some ms for 2000 grains).
+    """
     skin = SKIN * float(system.particles.radius.max())
     lines = [
-        f"neighbor {number(skin)} {'nsq' if all_pairs else 'bin'}",
+        f"neighbor {number(skin)} {'nsq' if box.is_open else 'bin'}",
         "neigh_modify delay 0 every 1 check yes",
     ]
     most = most_neighbours(system, skin)

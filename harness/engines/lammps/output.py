@@ -9,11 +9,13 @@ so that a run with contact output is the same, bit for bit, as one without.
 from __future__ import annotations
 
 from harness.engines.lammps.law import NO_LIMIT, contact_law
-from harness.engines.lammps.text import comment
 from harness.engines.lammps.walls import force_sums
-from harness.scene.system import System, Wall
+from harness.engines.text import comment
+from harness.scene.system import System
 
 SERIES, WALLS, FRAMES = "series.dat", "walls.dat", "frames.dump"
+STATE = "state"
+"""Restart files are called state.<step>."""
 TOTAL, SPRINGS = "contacts.total.dump", "contacts.springs.dump"
 
 
@@ -44,8 +46,8 @@ def run_lines(system: System) -> list[str]:
         "",
         "# one restart file a frame for contacts.in, written without disturbing the run",
         "run 0 post no",
-        "write_restart state.0 noinit",
-        f'run {system.steps} pre no post no every {system.frame_every} "write_restart state.* noinit"',
+        f"write_restart {STATE}.0 noinit",
+        f'run {system.steps} pre no post no every {system.frame_every} "write_restart {STATE}.* noinit"',
     ]
 
 
@@ -54,7 +56,8 @@ def contacts_deck(system: System, neighbours: list[str]) -> str:
 
     total: law and velocities as they are, so force = elastic + damping with full-step velocities.
     springs: v = w = 0 and unlimited friction, so the tangential force is -k_t u exactly.
-    The law is given again because pair granular does not restore its cutoffs from a restart file.
+    The pair style is given again, because pair granular does not restore its cutoffs from a restart
+    file: they are whatever stood in memory, and contacts go missing. The springs are kept.
     """
     law = contact_law(system.normal, system.sliding)
     lines = [
@@ -62,39 +65,40 @@ def contacts_deck(system: System, neighbours: list[str]) -> str:
         f"variable frame loop 0 {system.steps // system.frame_every}",
         "label next_frame",
         f"variable at equal ${{frame}}*{system.frame_every}",
-        *_clone_lines(system, TOTAL, [*neighbours, f"pair_coeff * * {law}"]),
+        *_clone_lines(system, TOTAL, [*neighbours, "pair_style granular", f"pair_coeff * * {law}"]),
     ]
     if system.sliding is not None:
         no_slip = contact_law(system.normal, system.sliding, friction=NO_LIMIT)
-        at_rest = [f"pair_coeff * * {no_slip}", "velocity all set 0 0 0", "set group all omega 0 0 0"]
-        lines += _clone_lines(system, SPRINGS, [*neighbours, *at_rest])
+        at_rest = ["velocity all set 0 0 0", "set group all omega 0 0 0"]
+        settings = [*neighbours, "pair_style granular", f"pair_coeff * * {no_slip}", *at_rest]
+        lines += _clone_lines(system, SPRINGS, settings)
     return "\n".join([*lines, "", "next frame", "jump SELF next_frame", ""])
 
 
-def wall_columns(wall: Wall, dimension: int) -> list[str]:
-    """Return the names of a wall's columns in series.dat and walls.dat."""
-    moving = ["d", "v"] if wall.motion is not None else []
-    return [f"{wall.name}_{c}" for c in [*moving, *(f"f{a}" for a in "xyz"[:dimension])]]
-
-
 def _series_lines(system: System) -> list[str]:
-    if not system.walls:
-        return []
-    lines = ["", "# of every wall: displacement along its normal, rate, force of the grains on it"]
-    values: list[str] = []
+    """Return the series, and in walls.dat the same columns at the frames."""
+    lines = ["", "# time; of every wall: displacement along its normal, rate, force of the grains on it"]
+    lines.append("variable time equal step*dt")
+    columns = {"time": "v_time"}
     for wall in system.walls:
         if wall.motion is not None:
-            values += [f"v_disp_{wall.name}", f"v_rate_{wall.name}"]
+            columns[f"{wall.name}_d"] = f"v_disp_{wall.name}"
+            columns[f"{wall.name}_v"] = f"v_rate_{wall.name}"
         for axis, force in zip("xyz", force_sums(system, wall), strict=False):
             lines.append(f"variable f{axis}_{wall.name} equal -{force}")
-            values.append(f"v_f{axis}_{wall.name}")
-    title = " ".join(["# step", *(c for w in system.walls for c in wall_columns(w, system.dimension))])
-    for fix, file, every in (("series", SERIES, system.sample_every), ("walls", WALLS, system.frame_every)):
-        lines.append(
-            f"fix {fix} all ave/time {every} 1 {every} {' '.join(values)} &\n"
-            f'    file {file} title1 "# walls" title2 "{title}" format " %.17g"'
-        )
+            columns[f"{wall.name}_f{axis}"] = f"v_f{axis}_{wall.name}"
+    lines.append(_table_line("series", SERIES, system.sample_every, columns))
+    if system.walls:
+        lines.append(_table_line("walls", WALLS, system.frame_every, columns))
     return lines
+
+
+def _table_line(fix: str, file: str, every: int, columns: dict[str, str]) -> str:
+    title = " ".join(["# step", *columns])
+    return (
+        f"fix {fix} all ave/time {every} 1 {every} {' '.join(columns.values())} &\n"
+        f'    file {file} title1 "# {fix}" title2 "{title}" format " %.17g"'
+    )
 
 
 def _frame_lines(system: System) -> list[str]:
@@ -111,20 +115,21 @@ def _frame_lines(system: System) -> list[str]:
 
 
 def _clone_lines(system: System, file: str, settings: list[str]) -> list[str]:
-    values = "c_pair[1]" + "".join(f" c_pair[{k}]" for k in (2, 3, 4) if system.sliding is not None)
-    shear = " p1 p2 p3" if system.sliding is not None else ""
+    values = ["dist", "force"] if system.sliding is None else ["dist", "force", "p1", "p2", "p3"]
+    columns = ["c_ids[1]", "c_ids[2]", *(f"c_pair[{k}]" for k in range(1, len(values) + 1))]
     return [
         "",
         "clear",
         "newton off",
-        "read_restart state.${at}",
+        f"read_restart {STATE}.${{at}}",
         "comm_modify vel yes",
         "atom_modify sort 0 0",
         *settings,
         "compute ids all property/local patom1 patom2 cutoff radius",
-        f"compute pair all pair/local force{shear} cutoff radius",
-        f"dump contacts all local 1 {file} c_ids[1] c_ids[2] {values}",
+        f"compute pair all pair/local {' '.join(values)} cutoff radius",
+        f"dump contacts all local 1 {file} {' '.join(columns)}",
         'if "${frame} > 0" then "dump_modify contacts append yes"',
         "dump_modify contacts format float %.17g",
+        "thermo_style custom step",
         "run 0 post no",
     ]

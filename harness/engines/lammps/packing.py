@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from harness.engines.lammps.box import Box
-from harness.engines.lammps.text import comment, number, numbers
+from harness.engines.text import comment, number, numbers
 from harness.scene.system import INERTIA_FACTOR, Loaded, System, Wall
 
 INTEGRATORS = {"sphere": "nve/sphere", "disc": "nve/sphere disc"}
@@ -53,8 +53,7 @@ def packing_data(system: System, box: Box) -> str:
 def _header(system: System, box: Box) -> str:
     carriers = len(loaded_walls(system))
     bounds = [
-        f"{number(low.position)} {number(high.position)} {a}lo {a}hi"
-        for a, (low, high) in zip("xyz", box.axes, strict=True)
+        f"{number(axis.low)} {number(axis.high)} {a}lo {a}hi" for a, axis in zip("xyz", box.axes, strict=True)
     ]
     return "\n".join(
         [

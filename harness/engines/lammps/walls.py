@@ -19,7 +19,7 @@ import numpy as np
 from harness.engines.lammps.box import is_periodic
 from harness.engines.lammps.law import contact_law, smooth_law
 from harness.engines.lammps.packing import carrier_id, loaded_walls
-from harness.engines.lammps.text import number, numbers
+from harness.engines.text import number, numbers
 from harness.scene.system import Constant, Cosine, Loaded, System, Wall
 
 CARRIER_SCALE = 2.0**20
@@ -75,7 +75,7 @@ def beyond_lines(system: System, every: int) -> list[str]:
         "",
         "# a grain whose centre is beyond a plane has no contact with it any more: stop",
         f'variable beyond equal "{len(system.walls)}*count(grains) - {inside}"',
-        f"fix beyond all halt {every} v_beyond > 0 error hard",
+        f"fix grain_beyond_wall all halt {every} v_beyond > 0 error hard",
     ]
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.engines.liggghts.planes import anchor, is_periodic, meshes, reach
+from harness.engines.liggghts.planes import anchor, is_periodic, is_still, mesh_velocity, meshes, reach
 from harness.scene.system import INERTIA_FACTOR, Constant, Cosine, Loaded, System, Wall
 
 ROOM_IN_RADII = 4.0
@@ -76,15 +76,16 @@ def _walls_across(system: System, axis: int, sign: float) -> list[Wall]:
 
 
 def _anchors(system: System, wall: Wall, extent: float, axis: int) -> list[float]:
-    """Return where the centre of a mesh goes along an axis; a loaded wall gets the particles' extent."""
+    """Return where the centre of a mesh goes along an axis; a loaded wall gets the room it may need."""
     start, normal, time = anchor(system, wall)[axis], wall.normal[axis], system.steps * system.dt
     motion = wall.motion
     if isinstance(motion, Loaded):
-        return [start - extent * normal, start, start + extent * normal]
+        room = extent + _thrown(system, motion, extent)
+        return [start - room * normal, start, start + room * normal]
     if isinstance(motion, Cosine):
         return [start, start + motion.travel * normal]
-    if isinstance(motion, Constant):
-        return [start, start + motion.velocity[axis] * time]
+    if isinstance(motion, Constant) and not is_still(wall):
+        return [start, start + mesh_velocity(system, wall)[axis] * time]
     return [start]
 
 
@@ -97,13 +98,22 @@ def _flight(system: System, extent: float) -> float:
     return speed * time + 0.5 * gravity * time**2
 
 
+def _thrown(system: System, motion: Loaded, extent: float) -> float:
+    """Return how far a wall with mass can go with all energy in it, against its load if that holds it back."""
+    time, energy = system.steps * system.dt, _energy(system, extent)
+    load = motion.load + (motion.stress * extent if motion.span else 0.0)
+    free = math.sqrt(2.0 * energy / motion.mass) * time + 0.5 * max(0.0, -load) / motion.mass * time**2
+    return min(free, energy / load) if load > 0.0 else free
+
+
 def _energy(system: System, extent: float) -> float:
-    """Return the energy that could end in one particle: motion, spin, overlaps, work of loads, in J."""
+    """Return the energy that could end in one body: motion, spin, overlaps, fall, work of loads, in J."""
     p = system.particles
     spin = float((p.inertia_factor * p.mass * p.radius**2 * (p.spin**2).sum(axis=1)).sum())
     kinetic = float((p.mass * (p.v**2).sum(axis=1)).sum())
     loads = sum(abs(w.motion.load) for w in system.walls if isinstance(w.motion, Loaded))
-    return 0.5 * (kinetic + spin) + _overlap_energy(system) + loads * extent
+    fall = 0.0 if system.gravity is None else math.hypot(*system.gravity) * float(p.mass.sum()) * extent
+    return 0.5 * (kinetic + spin) + _overlap_energy(system) + fall + loads * extent
 
 
 def _overlap_energy(system: System) -> float:

@@ -6,10 +6,13 @@ state of its wall (see `motions`).
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from harness.engines.liggghts.domain import Domain
 from harness.engines.liggghts.law import type_count
+from harness.engines.liggghts.planes import meshes
 from harness.engines.text import comment, number, numbers
 from harness.scene.system import Loaded, System, Wall
 
@@ -46,8 +49,23 @@ def _atoms(system: System, domain: Domain) -> list[str]:
         f"{i + 1} 1 {number(2 * p.radius[i])} {number(density[i])} {numbers(p.x[i])}{flat}"
         for i in range(len(p))
     ]
-    middle, size = numbers(domain.bounds.mean(axis=1)), number(2 * p.radius.min())
-    return rows + [f"{carrier_id(system, w)} 1 {size} {number(density.min())} {middle}" for w in loaded_walls(system)]
+    return rows + [
+        f"{carrier_id(system, w)} 1 {number(2 * p.radius.min())} {number(density.min())}"
+        f" {numbers(_parking_place(system, domain))}"
+        for w in loaded_walls(system)
+    ]
+
+
+def _parking_place(system: System, domain: Domain) -> np.ndarray:
+    """Return the corner of the domain, or its middle, that is farthest from all meshes.
+
+    Meshes see every atom. They cannot push a carrier, but one just on a plane has no normal.
+    """
+    room = float(system.particles.radius.max())
+    ends = np.array([[low + room, high - room] for low, high in domain.bounds[: system.dimension]])
+    places = [np.array(corner) for corner in itertools.product(*ends)] + [ends.mean(axis=1)]
+    clearance = [min(abs(np.dot(x - w.point, w.normal)) for w in meshes(system)) for x in places]
+    return np.pad(places[int(np.argmax(clearance))], (0, 3 - system.dimension))
 
 
 def _velocities(system: System) -> list[str]:

@@ -8,6 +8,8 @@ be tiled: two triangles that fill the domain's cross-section exactly; LIGGGHTS j
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from harness.engines.text import numbers
@@ -35,6 +37,11 @@ def slip_velocity(system: System, wall: Wall) -> np.ndarray:
     if not isinstance(wall.motion, Constant) or not is_rough(system, wall):
         return np.zeros(system.dimension)
     return np.subtract(wall.motion.velocity, normal_speed(wall) * np.array(wall.normal))
+
+
+def mesh_velocity(system: System, wall: Wall) -> np.ndarray:
+    """Return the velocity (dim,) of the mesh of a wall with constant velocity."""
+    return normal_speed(wall) * np.array(wall.normal) + slip_velocity(system, wall)
 
 
 def is_still(wall: Wall) -> bool:
@@ -129,10 +136,15 @@ def _in_plane(normal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return first, np.cross(normal, first)
 
 
+def space(vector: Iterable[float]) -> str:
+    """Return a vector of the system as the three numbers LIGGGHTS wants."""
+    return numbers(_in_space(vector))
+
+
 def _in_space(vector) -> np.ndarray:
     return np.pad(np.asarray(vector, dtype=float), (0, 3 - len(vector)))
 
 
 def _facet(wall: Wall, corners: np.ndarray) -> str:
     vertices = "\n".join(f"    vertex {numbers(c)}" for c in corners)
-    return f"facet normal {numbers(_in_space(wall.normal))}\n  outer loop\n{vertices}\n  endloop\nendfacet"
+    return f"facet normal {space(wall.normal)}\n  outer loop\n{vertices}\n  endloop\nendfacet"

@@ -9,8 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from harness.engines.liggghts.law import model_words, setting_words, wall_type
-from harness.engines.liggghts.planes import across_axis, is_rough, meshes, primitives, slip_velocity
-from harness.engines.text import number, numbers
+from harness.engines.liggghts.planes import across_axis, is_rough, is_still, meshes, primitives, slip_velocity, space
+from harness.engines.text import number
 from harness.scene.system import System, Wall
 
 
@@ -49,10 +49,9 @@ def _primitive(system: System, wall: Wall) -> str:
 def _mesh(system: System, wall: Wall) -> str:
     """Return the mesh; one that slips in place carries its particles like a conveyor."""
     slip = slip_velocity(system, wall)
-    belt = ""
-    if wall.motion is not None and np.any(slip) and across_axis(wall) is not None and _stays(wall):
-        belt = f" surface_vel {numbers(np.pad(slip, (0, 3 - len(slip))))}"
-    return f"fix {wall.name}_mesh grains mesh/surface/stress file {wall.name}.stl type {wall_type(system, wall)}{belt}"
+    belt = f" surface_vel {space(slip)}" if is_still(wall) and np.any(slip) else ""
+    kind = wall_type(system, wall)
+    return f"fix {wall.name}_mesh grains mesh/surface/stress file {wall.name}.stl type {kind}{belt}"
 
 
 def _mesh_contact(system: System) -> str:

@@ -27,10 +27,10 @@ Curves = Mapping[str, BiaxialCurves]
 
 
 def force_deviation(a: BiaxialCurves, b: BiaxialCurves) -> np.ndarray:
-    """Return |F_a - F_b| / |F_b| of the top wall, sample by sample; infinite where F_b alone is 0."""
+    """Return |F_a - F_b| / max(|F_a|, |F_b|) of the top wall, sample by sample; 0 where both vanish."""
     difference = np.abs(a.force_top - b.force_top)
-    size = np.abs(b.force_top)
-    return np.where(difference == 0.0, 0.0, np.divide(difference, size, out=np.full_like(size, np.inf), where=size > 0))
+    size = np.maximum(np.abs(a.force_top), np.abs(b.force_top))
+    return np.divide(difference, size, out=np.zeros_like(size), where=size > 0)
 
 
 def window_checks(pairs: list[Pair], windows: tuple[Window, ...], curves: Curves, rerun: str) -> list[Check]:

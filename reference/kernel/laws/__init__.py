@@ -1,1 +1,1 @@
-"""Contact laws, one file each; `LAWS` in `registry.py` lists them."""
+"""Contact laws, one file each, over `contact.Touching`."""

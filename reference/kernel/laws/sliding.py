@@ -38,7 +38,7 @@ class SpringSliding:
         """Return the force on i and the new spring, both (dim, M).
 
         With `advance` false time stands still: the spring is neither turned nor stretched nor cut
-        (the evaluation at set-up and for output).
+        (the evaluation at set-up and for output); the force keeps to the limit all the same.
         """
         return _ALGORITHMS[self.algorithm](self, xi, n, v_t, f_n, dt if advance else 0.0)
 
@@ -50,7 +50,7 @@ class SpringSliding:
 def _lammps(law: SpringSliding, xi, n, v_t, f_n, dt):
     limit = law.shear_friction * np.abs(f_n)
     if not dt:
-        return _standing_still(law, xi, v_t, limit)
+        return _lammps_set_up(law, xi, v_t, limit)
     along = dot(xi, n)
     turned = np.abs(along) * law.shear_stiffness > LAMMPS_TURN_THRESHOLD * limit
     xi = np.where(turned, _rescaled(xi - along * n, xi), xi) + dt * v_t
@@ -74,7 +74,7 @@ def _liggghts(law: SpringSliding, xi, n, v_t, f_n, dt):
 def _talk(law: SpringSliding, xi, n, v_t, f_n, dt):
     limit = law.shear_friction * np.maximum(f_n, 0.0)
     if not dt:
-        return _standing_still(law, xi, v_t, limit)
+        return _limited(law, xi, v_t, limit)[0], xi
     xi = _rescaled(xi - dot(xi, n) * n, xi)
     force, slides = _limited(law, xi, v_t, limit)
     return force, np.where(slides, _spring_of(law, force, v_t), xi + dt * v_t)
@@ -91,7 +91,7 @@ def _limited(law: SpringSliding, xi, v_t, limit):
     return test * _ratio(limit, size, slides), slides
 
 
-def _standing_still(law: SpringSliding, xi, v_t, limit):
+def _lammps_set_up(law: SpringSliding, xi, v_t, limit):
     """Force without advancing; a sliding contact whose spring has no length yet gets none.
 
     That is pair granular's rule at set-up (as run): the direction of sliding is not known to it.

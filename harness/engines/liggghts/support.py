@@ -1,0 +1,94 @@
+"""How LIGGGHTS stands to the effects of a system: what was matched, what is mapped, what it cannot do."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from harness.engines.liggghts.planes import across_axis, is_periodic, is_still, meshes, slip_velocity
+from harness.engines.protocol import Support
+from harness.scene.effects import effects_on
+from harness.scene.system import INERTIA_FACTOR, Loaded, System, Wall
+
+EXACT = "same formula; matched to rounding against an independent velocity-Verlet integration"
+NOTES = {
+    "normal contact": ("exact", f"hooke/stiffness: {EXACT}"),
+    "normal damping": ("exact", "absolute_damping; forces see half-step velocities v(t+dt/2)"),
+    "damping attraction": ("exact", "no limitForce: the dashpot may pull"),
+    "sliding friction": (
+        "equivalent",
+        "tangential history: Coulomb's limit mu |f_n|, f_n with damping, is tested on the spring alone; where it "
+        "slips there is no dashpot; the spring is turned with the normal without rescaling; arm R - overlap/2",
+    ),
+    "wall friction": ("equivalent", "the law between particles with m_eff = m and lever arm R - overlap/2"),
+    "rotation": ("exact", "fix nve/sphere: discs in 2D mode, spheres in 3D mode"),
+    "background drag": ("exact", "fix viscous on half-step velocities"),
+    "gravity": ("exact", "fix gravity"),
+    "periodic axes": ("exact", "boundary p"),
+    "driven walls": ("exact", "move/mesh with the mean rate of the step"),
+    "loaded walls": ("exact", "leapfrog form of velocity Verlet, state kept in a carrier atom, force of each mesh"),
+}
+
+
+def supports(system: System) -> tuple[Support, ...]:
+    """Return one judgement an effect, and one for each thing LIGGGHTS cannot do as it should."""
+    found = [_known(effect) for effect in effects_on(system)]
+    return (*found, *(s for check in _CHECKS for s in check(system)))
+
+
+def _known(effect: str) -> Support:
+    if effect not in NOTES:
+        return Support(effect=effect, level="unsupported", note="the LIGGGHTS engine does not know this effect")
+    level, note = NOTES[effect]
+    return Support(effect=effect, level=level, note=note)
+
+
+def _inertia(system: System) -> list[Support]:
+    """Nothing is wrong with moments of inertia when nothing turns the particles."""
+    if system.sliding is None:
+        return []
+    factors = np.unique(system.particles.inertia_factor)
+    able = [INERTIA_FACTOR["sphere"]] + ([INERTIA_FACTOR["disc"]] if system.dimension == 2 else [])
+    if len(factors) == 1 and factors[0] in able:
+        return []
+    got = ", ".join(f"{q:g}" for q in factors)
+    note = f"I = q m R^2 with q = {got}: one of {', '.join(f'{q:g}' for q in able)} for all particles of a {{}}D run"
+    return [Support(effect="moment of inertia", level="unsupported", note=note.format(system.dimension))]
+
+
+def _narrow_period(system: System) -> list[Support]:
+    """Springs are kept by the partner's id, so a pair may touch through one image only."""
+    widest = 4.0 * float(system.particles.radius.max())
+    narrow = [axis for a, axis in enumerate("xyz") if is_periodic(system, a) and system.periodic[a] <= widest]
+    note = f"period along {', '.join(narrow)} up to two diameters: a pair could touch through two images"
+    return [Support(effect="periodic axes", level="unsupported", note=note)] if narrow else []
+
+
+def _crossing_walls(system: System) -> list[Support]:
+    crossing = [w.name for w in system.walls
+                if any(n and is_periodic(system, a) for a, n in enumerate(w.normal))]
+    note = f"{', '.join(crossing)}: a plane across a periodic axis, seen by one image of a particle only"
+    return [Support(effect="walls", level="unsupported", note=note)] if crossing else []
+
+
+def _tiled_walls(system: System) -> list[Support]:
+    """A mesh along a periodic axis has to fill the domain's cross-section and keep doing so."""
+    if system.periodic is None:
+        return []
+    bad = [w.name for w in meshes(system) if across_axis(w) is None or _drifts(system, w)]
+    note = f"{', '.join(bad)}: a mesh along a periodic axis must lie across another axis and move straight along it"
+    return [Support(effect="walls", level="unsupported", note=note)] if bad else []
+
+
+def _drifts(system: System, wall: Wall) -> bool:
+    return not is_still(wall) and bool(np.any(slip_velocity(system, wall)))
+
+
+def _span_of_loaded_walls(system: System) -> list[Support]:
+    """The extent is needed while carriers are being moved, so it must not depend on one."""
+    spans = {name: w for w in system.walls if isinstance(w.motion, Loaded) for name in w.motion.span or ()}
+    bad = [w.name for name, w in spans.items() if isinstance(system.wall(name).motion, Loaded)]
+    note = f"{', '.join(bad)}: the load depends on the place of a wall that is itself loaded"
+    return [Support(effect="loaded walls", level="unsupported", note=note)] if bad else []
+
+
+_CHECKS = (_inertia, _narrow_period, _crossing_walls, _tiled_walls, _span_of_loaded_walls)

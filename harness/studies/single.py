@@ -1,0 +1,45 @@
+"""One run of one scene on one engine."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from harness.runs.folder import runs_root
+from harness.runs.outcome import Outcome
+from harness.runs.pool import run_many
+from harness.scene.load import load_scene
+from harness.scene.model import Scene
+from harness.scene.system import System
+from harness.studies.prepare import prepare
+
+if TYPE_CHECKING:
+    from harness.engines.protocol import Engine
+    from postproc.trajectory import Trajectory
+
+
+@dataclass(frozen=True, kw_only=True)
+class SingleRun:
+    """What came of it; the trajectory only if it completed."""
+
+    scene: Scene
+    system: System
+    engine: str
+    outcome: Outcome
+    folder: Path
+    trajectory: Trajectory | None
+
+
+def single_run(scene_file: Path, engine: Engine, out: Path, *, time_limit: float, progress=None) -> SingleRun:
+    """Run a scene's first packing on one engine below ``out/runs``. Raises InputError."""
+    from postproc.trajectory import read_trajectory
+
+    scene = load_scene(scene_file)
+    system = prepare(scene, scene_file, packings=1, cache=out / "packings")[0].system
+    (done,) = run_many([(engine.name, engine, system)], runs_root(out), time_limit=time_limit, progress=progress)
+    completed = done.outcome.status == "completed"
+    return SingleRun(
+        scene=scene, system=system, engine=engine.name, outcome=done.outcome, folder=done.folder,
+        trajectory=read_trajectory(done.folder / "trajectory.h5") if completed else None,
+    )

@@ -1,0 +1,220 @@
+"""Systems, runs, and an independent integration of what LIGGGHTS is supposed to compute."""
+
+from __future__ import annotations
+
+import shutil
+
+import numpy as np
+import pytest
+
+from harness.engines.liggghts import LIGGGHTS
+from harness.scene.model import LinearNormal, SpringSliding
+from harness.scene.system import Constant, Cosine, Loaded, Particles, System
+
+
+def pytest_collection_modifyitems(items):
+    if shutil.which("liggghts") is None:
+        skip = pytest.mark.skip(reason="needs the liggghts binary: apt-get install liggghts")
+        for item in items:
+            if item.get_closest_marker("needs_liggghts"):
+                item.add_marker(skip)
+
+
+@pytest.fixture(name="make")
+def _make():
+    return make_system
+
+
+@pytest.fixture(name="run")
+def _run(tmp_path):
+    """Render, run, insist on completion, read."""
+
+    def run(system: System, name: str = "run"):
+        folder = write_deck(system, tmp_path / name)
+        result = LIGGGHTS.run(folder, time_limit=60)
+        assert result.status == "completed", result
+        return LIGGGHTS.read(folder, system)
+
+    return run
+
+
+@pytest.fixture(name="deck")
+def _deck(tmp_path):
+    return lambda system, name="run": write_deck(system, tmp_path / name)
+
+
+@pytest.fixture(name="reference")
+def _reference():
+    return integrate
+
+
+def write_deck(system: System, folder):
+    folder.mkdir()
+    for name, text in LIGGGHTS.render(system).items():
+        (folder / name).write_text(text)
+    return folder
+
+
+def make_system(*, x, v=None, spin=None, radius=0.5, mass=1.0, inertia=None, walls=(), sliding=None, steps=400,
+                dt=2e-3, kn=200.0, gn=0.5, attraction="allowed", **rest) -> System:
+    """Return a system of a few particles; SI numbers of order one."""
+    x = np.array(x, dtype=float)
+    count, dim = x.shape
+    spins = 1 if dim == 2 else 3
+    filled = {
+        "x": x, "radius": np.broadcast_to(np.asarray(radius, float), count).copy(),
+        "mass": np.broadcast_to(np.asarray(mass, float), count).copy(),
+        "inertia_factor": np.full(count, {2: 0.5, 3: 0.4}[dim] if inertia is None else inertia),
+        "v": np.zeros((count, dim)) if v is None else np.array(v, dtype=float),
+        "spin": np.zeros((count, spins)) if spin is None else np.array(spin, dtype=float).reshape(count, spins),
+    }
+    friction = None if sliding is None else SpringSliding(
+        **dict(zip(("shear_friction", "shear_stiffness", "shear_damping"), sliding, strict=True)))
+    given = {"gravity": None, "periodic": None, "background": None, "contacts": True, "sample_every": 10,
+             "frame_every": steps // 4} | rest
+    return System(
+        dimension=dim, particles=Particles(**filled), walls=tuple(walls), sliding=friction, dt=dt, steps=steps,
+        normal=LinearNormal(normal_stiffness=kn, normal_damping=gn, attraction=attraction), **given,
+    )
+
+
+class Integration:
+    """Velocity Verlet by plain loops with LIGGGHTS' conventions, in 3D (a 2D system lies at z = 0).
+
+    Forces of a step see x(n+1) and half-step velocities; at set-up full-step ones. Slip and torque
+    arm R - delta/2. Spring: u += v_t dt, u -= (u.n) n; if k_t |u| > mu |f_n| it is cut and alone.
+    """
+
+    def __init__(self, system: System):
+        p, self.s = system.particles, system
+        deep = [(0, 0), (0, 3 - system.dimension)]
+        self.x, self.v = np.pad(p.x, deep), np.pad(p.v, deep)
+        self.w = np.pad(p.spin, [(0, 0), (2, 0)]) if system.dimension == 2 else p.spin.copy()
+        self.m, self.r, self.inertia = p.mass, p.radius, p.inertia_factor * p.mass * p.radius**2
+        self.n = [np.pad(w.normal, (0, 3 - system.dimension)) for w in system.walls]
+        self.p = [np.pad(w.point, (0, 3 - system.dimension)).astype(float) for w in system.walls]
+        self.d, self.rate = np.zeros(len(self.n)), np.zeros(len(self.n))
+        self.wall_v = [self._vector(w.motion.velocity) if isinstance(w.motion, Constant) else np.zeros(3)
+                       for w in system.walls]
+        self.rate[:] = [v @ n for v, n in zip(self.wall_v, self.n, strict=True)]
+        self.u, self.t, self.rows = {}, 0.0, []
+        self.evaluate(0.0)
+        self.record()
+
+    def _vector(self, v):
+        return np.pad(np.asarray(v, float), (0, 3 - len(v)))
+
+    def step(self):
+        dt = self.s.dt
+        self.v += 0.5 * dt * self.f / self.m[:, None]
+        self.w += 0.5 * dt * self.torque / self.inertia[:, None]
+        self.x += dt * self.v
+        self.t += dt
+        self.move_walls(dt)
+        self.evaluate(dt)
+        self.v += 0.5 * dt * self.f / self.m[:, None]
+        self.w += 0.5 * dt * self.torque / self.inertia[:, None]
+        for k, a in self.wall_acceleration().items():
+            self.rate[k] += 0.5 * dt * a
+
+    def move_walls(self, dt):
+        accelerations = self.acceleration
+        for k, wall in enumerate(self.s.walls):
+            motion = wall.motion
+            if isinstance(motion, Loaded):
+                self.rate[k] += 0.5 * dt * accelerations[k]
+                move = dt * self.rate[k]
+            elif isinstance(motion, Cosine):
+                phase = np.pi * min(self.t, motion.duration) / motion.duration
+                move = motion.travel / 2 * (1 - np.cos(phase)) - self.d[k]
+                self.rate[k] = np.pi * motion.travel / (2 * motion.duration) * np.sin(phase)
+            else:
+                self.rate[k] = self.wall_v[k] @ self.n[k]
+                move = self.rate[k] * dt
+            self.d[k] += move
+            self.p[k] = self.p[k] + move * self.n[k]
+            if not isinstance(motion, Constant):
+                self.wall_v[k] = move / dt * self.n[k]
+
+    def wall_acceleration(self):
+        self.acceleration = {}
+        names = [w.name for w in self.s.walls]
+        for k, wall in enumerate(self.s.walls):
+            motion = wall.motion
+            if isinstance(motion, Loaded):
+                extent = 0.0
+                if motion.span:
+                    a, b = (names.index(n) for n in motion.span)
+                    extent = (self.p[b] - self.p[a]) @ self.n[a]
+                push = motion.load + motion.stress * extent + self.wall_f[k] @ self.n[k]
+                self.acceleration[k] = (push - motion.damping * self.rate[k]) / motion.mass
+        return self.acceleration
+
+    def evaluate(self, dt):
+        s, count = self.s, len(self.m)
+        self.f, self.torque = np.zeros((count, 3)), np.zeros((count, 3))
+        if s.gravity is not None:
+            self.f += self.m[:, None] * self._vector(s.gravity)
+        if s.background is not None:
+            self.f -= s.background.translational_drag * self.v
+        self.wall_f = np.zeros((len(self.n), 3))
+        touching = {}
+        for i in range(count):
+            for j in range(i + 1, count):
+                branch = self.x[i] - self.x[j]
+                for a, length in enumerate(s.periodic or ()):
+                    branch[a] -= round(branch[a] / length) * length if length else 0.0
+                r = np.sqrt(branch @ branch)
+                self.contact(i, j, branch / r, self.r[i] + self.r[j] - r, self.v[i] - self.v[j], dt, touching)
+            for k, n in enumerate(self.n):
+                overlap = self.r[i] - (self.x[i] - self.p[k]) @ n
+                self.contact(i, -k - 1, n, overlap, self.v[i] - self.wall_v[k], dt, touching)
+        self.u = touching
+        if not dt:
+            self.wall_acceleration()
+
+    def contact(self, i, j, n, overlap, v, dt, touching):
+        if overlap <= 0:
+            return
+        s, pair = self.s, j >= 0
+        arm_i, arm_j = self.r[i] - overlap / 2, (self.r[j] - overlap / 2 if pair else 0.0)
+        vn = v @ n
+        fn = s.normal.normal_stiffness * overlap - s.normal.normal_damping * vn
+        if s.normal.attraction == "clipped":
+            fn = max(fn, 0.0)
+        ft = np.zeros(3)
+        if s.sliding is not None and (pair or s.walls[-j - 1].friction):
+            law = s.sliding
+            vt = v - vn * n - np.cross(arm_i * self.w[i] + (arm_j * self.w[j] if pair else 0.0), n)
+            u = self.u.get((i, j), np.zeros(3)) + vt * dt
+            u = u - (u @ n) * n if dt else u
+            limit, stretch = law.shear_friction * abs(fn), law.shear_stiffness * np.sqrt(u @ u)
+            ft = -law.shear_stiffness * u
+            if stretch > limit:
+                ft = ft * limit / stretch
+                u = -ft / law.shear_stiffness if dt else u
+            else:
+                ft = ft - law.shear_damping * vt
+            touching[i, j] = u
+        force = fn * n + ft
+        self.f[i] += force
+        self.torque[i] -= arm_i * np.cross(n, ft)
+        if pair:
+            self.f[j] -= force
+            self.torque[j] -= arm_j * np.cross(n, ft)
+        else:
+            self.wall_f[-j - 1] -= force
+
+    def record(self):
+        self.rows.append([np.concatenate([[self.d[k], self.rate[k]], self.wall_f[k, : self.s.dimension]])
+                          for k in range(len(self.n))])
+
+
+def integrate(system: System) -> Integration:
+    """Return the state after all steps, and in `rows` one (walls, d v fx fy [fz]) a sample."""
+    run = Integration(system)
+    for step in range(1, system.steps + 1):
+        run.step()
+        if step % system.sample_every == 0:
+            run.record()
+    return run
