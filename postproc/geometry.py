@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from postproc.snapshot import MissingColumn, Snapshot
+from postproc.snapshot import Columns, MissingColumn, Snapshot
 
 
 def positions(snapshot: Snapshot) -> np.ndarray:
@@ -12,7 +12,7 @@ def positions(snapshot: Snapshot) -> np.ndarray:
     return snapshot.particles.vector(*snapshot.axes)
 
 
-def vector(table, letter: str, snapshot: Snapshot) -> np.ndarray:
+def vector(table: Columns, letter: str, snapshot: Snapshot) -> np.ndarray:
     """Columns <letter>x, <letter>y[, <letter>z] of a group as one array (rows, dim)."""
     return table.vector(*(letter + a for a in snapshot.axes))
 

@@ -12,7 +12,7 @@ from harness.packing.make import Packing
 from harness.scene.explain import explain
 from harness.scene.load import load_scene
 from harness.scene.model import Scene
-from harness.scene.resolve import needs_packing, read_packing_file, resolve
+from harness.scene.resolve import known_system, resolve
 from harness.scene.system import System
 
 REFUSED = ("unsupported", "known_wrong")
@@ -21,7 +21,7 @@ REFUSED = ("unsupported", "known_wrong")
 def scene_tables(path: Path) -> tuple[dict[str, list[dict]], dict[str, str]]:
     """Return rows and titles by section; nothing is run and nothing is written. Raises InputError."""
     scene = load_scene(path)
-    system = None if needs_packing(scene) else resolve(scene, path)
+    system = known_system(scene, path)
     sections = explain(scene, system, expected_minutes(scene, path, system))
     tables = {title: [{"name": r.name, "value": r.text, "note": r.note} for r in rows] for title, rows in sections}
     return tables, {title: title.capitalize() for title in tables}
@@ -29,19 +29,14 @@ def scene_tables(path: Path) -> tuple[dict[str, list[dict]], dict[str, str]]:
 
 def expected_minutes(scene: Scene, path: Path, system: System | None) -> dict[str, float]:
     """Return the minutes a run is expected to take, by engine that can run it; rough, see each engine."""
-    system = system or resolve(scene, path, _stand_in(scene, path))
+    system = system or resolve(scene, path, _stand_in(scene))
     able = {n: e for n, e in ENGINES.items() if not any(s.level in REFUSED for s in e.supports(system))}
     return {n: e.microseconds_per_step(system) * system.steps / 60e6 for n, e in able.items()}
 
 
-def _stand_in(scene: Scene, path: Path) -> Packing:
-    """A loose, unrelaxed packing: costs nothing, and is as big and has as many discs as the real one."""
-    if scene.particles.packing is not None:
-        x, radius = read_packing_file(path.parent, scene.particles.packing)
-        box = tuple((x + radius[:, None]).max(axis=0))
-    else:
-        rng = np.random.default_rng(0)
-        radius = rng.uniform(scene.particles.radius.min, scene.particles.radius.max, scene.particles.count)
-        x, side = insert_loose(radius, rng)
-        x, box = x.T, (side, side)
-    return Packing(x=x, radius=radius, box=box, residual=float("nan"), contacts=0, path=path)
+def _stand_in(scene: Scene) -> Packing:
+    """A loose, unrelaxed packing: costs nothing, and has as many discs as the real one."""
+    rng = np.random.default_rng(0)
+    radius = rng.uniform(scene.particles.radius.min, scene.particles.radius.max, scene.particles.count)
+    x, side = insert_loose(radius, rng)
+    return Packing(x=x.T, radius=radius, box=(side, side), residual=float("nan"), contacts=0, path=Path())

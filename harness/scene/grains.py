@@ -48,11 +48,12 @@ class Grains:
 def mass_of(law: SphereMass | DiscMass, radius: np.ndarray) -> np.ndarray:
     """Masses (kg) of particles of the given radii (m), any shape.
 
-    Sphere: 4/3 pi rho a^3; disc of height h: pi rho h a^2.
+    Sphere: 4/3 pi rho a^3; disc of height h: pi rho h a^2. Written as products, whose bits are the same
+    on every machine, because they stand in the committed decks.
     """
     if isinstance(law, DiscMass):
-        return math.pi * law.density * law.height * radius**2
-    return 4.0 / 3.0 * math.pi * law.density * radius**3
+        return math.pi * law.density * law.height * (radius * radius)
+    return 4.0 / 3.0 * math.pi * law.density * (radius * radius * radius)
 
 
 def inertia_factor(inertia: Inertia) -> float:

@@ -6,6 +6,7 @@ A new kind is one struct in `harness.scene.model`, its checks, its `grains_of`, 
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -112,10 +113,10 @@ def _explicit_particles(bodies: tuple[Body, ...], dimension: int) -> Particles:
 
 
 def _plane_wall(index: int, plane: Plane) -> Wall:
-    normal = np.array(plane.normal) / np.linalg.norm(plane.normal)
+    length = math.sqrt(sum(n * n for n in plane.normal))
     return Wall(
-        index=index, name=plane.name, point=plane.point, normal=tuple(normal.tolist()), friction=plane.friction,
-        motion=_motion(plane.motion),
+        index=index, name=plane.name, point=plane.point, normal=tuple(n / length for n in plane.normal),
+        friction=plane.friction, motion=_motion(plane.motion),
     )
 
 

@@ -21,9 +21,9 @@ COLUMNS = ("id", "x", "y", "z", "vx", "vy", "vz", "radius")
 def read_with_mdanalysis(path: Path, columns: Sequence[str] = COLUMNS) -> list[tuple[int, Columns]]:
     """Read all frames of an atom dump as (step, columns), float64, rows sorted by id.
 
-    columns: names as in the file's header; ``id`` and coordinates x y z (or xu yu zu) must be in the
-    file, as MDAnalysis wants them. Raises ReadError when MDAnalysis cannot read the file, the
-    number of particles changes, or a column is not there.
+    columns: names as in the file's header, which must have ``id``; a 2D dump needs no z. Raises
+    ReadError when MDAnalysis cannot read the file, the number of particles changes, or a column is
+    not there.
     """
     path = Path(path)
     try:
@@ -39,10 +39,22 @@ def read_with_mdanalysis(path: Path, columns: Sequence[str] = COLUMNS) -> list[t
 
 
 def _read(path: Path, columns: Sequence[str]) -> list[tuple[int, Columns]]:
+    with _reader_class()(str(path), additional_columns=list(columns), dt=1.0) as reader:
+        return [(step.data["step"], _columns(path, step, columns)) for step in reader]
+
+
+def _reader_class() -> type:
+    """MDAnalysis' own reader, kept from making its float32 positions.
+
+    It insists on three coordinates, which 2D dumps do not have; what it takes for positions is not
+    used here, so it may take any column.
+    """
     from MDAnalysis.coordinates.LAMMPS import DumpReader
 
-    with DumpReader(str(path), additional_columns=list(columns), dt=1.0) as reader:
-        return [(step.data["step"], _columns(path, step, columns)) for step in reader]
+    class Float64Columns(DumpReader):
+        _coordtype_column_names = {"unscaled": ["id", "id", "id"]}
+
+    return Float64Columns
 
 
 def _columns(path: Path, step, columns: Sequence[str]) -> Columns:

@@ -13,6 +13,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from postproc.readers.check import wrong
 from postproc.trajectory import GROUPS
 
@@ -94,7 +96,7 @@ def _write_json(path: Path, raw: RawState) -> None:
     _replace(path, lambda part: part.write_text(text + "\n", encoding="utf-8"))
 
 
-def _with_null(values) -> list[float | None]:
+def _with_null(values: np.ndarray) -> list[float | None]:
     return [v if v == v else None for v in values.tolist()]
 
 

@@ -10,7 +10,8 @@ from harness.scene.bodies import read_packing_file
 from harness.scene.resolve import resolve
 
 REFUSED_NAMES = [
-    "/etc/passwd", "../outside.csv", "sub/../../outside.csv", "a\nshell rm", "a\x00b", "\x1b[2J", "a\\b", "", " ",
+    "/etc/passwd", "../outside.csv", "sub/../../outside.csv", "sub/../scene.toml", "a\nshell rm", "a\x00b",
+    "\x1b[2J", "a\\b", "", " ",
 ]
 
 

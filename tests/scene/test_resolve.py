@@ -25,18 +25,17 @@ def packing(count=6, spacing=2.2e-3, radius=1e-3):
 
 def test_box(scenes):
     scene = scenes.load(scenes.biaxial)
-    start = packing()
-    system = resolve_biaxial(scene, **start, name="box")
-    side = start["box"][0]
+    side, height = 14e-3, 13e-3
+    system = resolve_biaxial(scene, **packing() | {"box": (side, height)}, name="box")
     assert [(w.index, w.name) for w in system.walls] == [(1, "left"), (2, "bottom"), (3, "right"), (4, "top")]
     assert [w.normal for w in system.walls] == [(1, 0), (0, 1), (-1, 0), (0, -1)]
-    assert [w.point for w in system.walls] == [(0, 0), (0, 0), (side, 0), (0, side)]
+    assert [w.point for w in system.walls] == [(0, 0), (0, 0), (side, 0), (0, height)]
     assert [w.friction for w in system.walls] == [False] * 4
     assert system.wall("left").motion is system.wall("bottom").motion is None
     assert system.wall("right").motion == Loaded(
         mass=2e-4, load=0.0, stress=100.0, span=("bottom", "top"), damping=0.1
     )
-    assert system.wall("top").motion == Cosine(travel=0.1 * side, duration=0.01)
+    assert system.wall("top").motion == Cosine(travel=0.1 * height, duration=0.01)
     assert system.dt * system.steps == pytest.approx(0.01, rel=1e-15)
     assert (system.scene_name, system.title, system.contacts) == ("box", "box", True)
     assert system.gravity is system.periodic is system.background is None

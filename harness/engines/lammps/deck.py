@@ -12,7 +12,7 @@ from harness.engines.lammps.output import (
     output_lines,
     run_lines,
 )
-from harness.engines.lammps.packing import kinds, packing_data
+from harness.engines.lammps.packing import kinds, loaded_walls, packing_data
 from harness.engines.lammps.walls import beyond_lines, loaded_wall_lines, wall_lines
 from harness.engines.text import comment
 from harness.scene.system import System
@@ -74,6 +74,7 @@ def _atom_lines(system: System, box: Box) -> list[str]:
     `newton off` and no sorting keep the order of a pair fixed, one rank keeps sums in one order.
     """
     grains = [str(t) for t in kinds(system).values()]
+    carriers = ", then wall carriers" if loaded_walls(system) else ""
     return [
         "units si",
         f"dimension {system.dimension}",
@@ -83,7 +84,7 @@ def _atom_lines(system: System, box: Box) -> list[str]:
         "atom_modify map array sort 0 0",
         "comm_modify vel yes",
         "",
-        "# grains, then wall carriers; masses come as they are, not through a density",
+        f"# grains{carriers}; masses come as they are, not through a density",
         "fix grain_mass all property/atom d_mass",
         f"read_data {PACKING} fix grain_mass NULL GrainMass",
         "variable mass atom d_mass",

@@ -52,12 +52,13 @@ def packing_data(system: System, box: Box) -> str:
 
 def _header(system: System, box: Box) -> str:
     carriers = len(loaded_walls(system))
+    also = f", {carriers} wall carriers" if carriers else ""
     bounds = [
         f"{number(axis.low)} {number(axis.high)} {a}lo {a}hi" for a, axis in zip("xyz", box.axes, strict=True)
     ]
     return "\n".join(
         [
-            f"{comment(system.scene_name)}: {len(system.particles)} grains, {carriers} wall carriers",
+            f"{comment(system.scene_name)}: {len(system.particles)} grains{also}",
             "",
             f"{len(system.particles) + carriers} atoms",
             f"{len(kinds(system)) + bool(carriers)} atom types",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 import subprocess
@@ -23,6 +24,9 @@ if TYPE_CHECKING:
     from postproc.trajectory import Trajectory
 
 BINARY, LOG = "liggghts", "log.liggghts"
+ALONE = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_pml": "ob1", "OMPI_MCA_btl": "self"}
+"""One process has nobody to talk to: Open MPI starts in 0.1 s instead of 0.5 s. No effect on results."""
+
 HOW_TO_GET = "apt-get install -y --no-install-recommends liggghts"
 
 
@@ -55,7 +59,9 @@ class Liggghts:
 
     def run(self, folder: Path, *, time_limit: float) -> RunResult:
         """Run the deck in `folder`."""
-        child = run_child(self.command(folder), folder=folder, log=LOG, time_limit=time_limit)
+        child = run_child(
+            self.command(folder), folder=folder, log=LOG, time_limit=time_limit, env=os.environ | ALONE
+        )
         return judge(child, folder, LOG, time_limit)
 
     def steps_done(self, folder: Path) -> int:

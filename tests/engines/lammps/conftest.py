@@ -13,7 +13,7 @@ from harness.scene.model import LinearNormal, SpringSliding
 from harness.scene.system import Constant, Cosine, Loaded, Particles, System, Wall
 
 SLIDING = SpringSliding(shear_friction=0.4, shear_stiffness=3e3, shear_damping=0.2)
-NORMAL = LinearNormal(normal_stiffness=1e4, normal_damping=0.5, attraction="allowed")
+NORMAL = LinearNormal(normal_stiffness=1e4, normal_damping=0.05, attraction="allowed")
 
 
 def particles(x, radius, mass, *, v=None, spin=None, q=None) -> Particles:
@@ -28,17 +28,17 @@ def particles(x, radius, mass, *, v=None, spin=None, q=None) -> Particles:
 def system(grains: Particles, **changes) -> System:
     fields = {
         "dimension": grains.x.shape[1], "particles": grains, "walls": (), "normal": NORMAL, "sliding": SLIDING,
-        "background": None, "gravity": None, "periodic": None, "dt": 5e-6, "steps": 400, "sample_every": 20,
-        "frame_every": 40, "contacts": True,
+        "background": None, "gravity": None, "periodic": None, "dt": 2e-6, "steps": 300, "sample_every": 5,
+        "frame_every": 10, "contacts": True,
     }
     return System(**(fields | changes))
 
 
 def two(dim: int = 2, q=None, **changes) -> System:
     """An oblique collision of two unequal spinning particles."""
-    spin = [[20.0], [-5.0]] if dim == 2 else [[20.0, 3.0, 4.0], [-5.0, 0.0, 7.0]]
-    x = np.array([[0.0, 0.0, 0.0], [1.95e-3, 0.3e-3, 0.4e-3]])[:, :dim]
-    v = np.array([[0.1, 0.0, 0.02], [-0.1, 0.05, 0.0]])[:, :dim]
+    spin = [[200.0], [-50.0]] if dim == 2 else [[200.0, 30.0, 40.0], [-50.0, 0.0, 70.0]]
+    x = np.array([[0.0, 0.0, 0.0], [2.08e-3, 0.3e-3, 0.4e-3]])[:, :dim]
+    v = np.array([[0.5, 0.1, 0.02], [-0.5, -0.3, 0.2]])[:, :dim]
     return system(particles(x, [1e-3, 1.1e-3], [1e-5, 2e-5], v=v, spin=spin, q=q), **changes)
 
 
@@ -65,7 +65,7 @@ def biaxial(count: int = 9, **changes) -> System:
     x = cells * 2.05e-3 + 1.1e-3 + rng.uniform(-2e-4, 2e-4, (count, 2))
     length = side * 2.05e-3 + 1e-4
     right = Loaded(mass=1e-3, load=0.0, stress=100.0, span=("bottom", "top"), damping=0.1)
-    top = Cosine(travel=0.1 * length, duration=0.005)
+    top = Cosine(travel=0.15 * length, duration=0.002)
     walls = (
         Wall(index=1, name="left", point=(0.0, 0.0), normal=(1.0, 0.0), friction=False),
         Wall(index=2, name="bottom", point=(0.0, 0.0), normal=(0.0, 1.0), friction=False),
@@ -73,7 +73,8 @@ def biaxial(count: int = 9, **changes) -> System:
         Wall(index=4, name="top", point=(0.0, length), normal=(0.0, -1.0), friction=False, motion=top),
     )
     mass = 2000 * 4 / 3 * np.pi * radius**3
-    defaults = {"walls": walls, "dt": 1e-6, "steps": 1500, "sample_every": 50, "frame_every": 250}
+    damped = LinearNormal(normal_stiffness=1e4, normal_damping=0.4, attraction="allowed")
+    defaults = {"walls": walls, "normal": damped, "steps": 700, "sample_every": 10, "frame_every": 70}
     return system(particles(x, radius, mass), **(defaults | changes))
 
 
@@ -136,9 +137,6 @@ class Reference:
         return fn * n + ft, spring
 
     def touch(self, key, n, overlap, velocity, rough, move):
-        if overlap <= 0:
-            self.springs.pop(key, None)
-            return np.zeros(3)
         force, spring = self.law(n, overlap, velocity, self.springs.get(key, np.zeros(3)), rough, move)
         if rough and self.keep:
             self.springs[key] = spring
@@ -157,21 +155,27 @@ class Reference:
                 branch = self.x[i] - self.x[j]
                 branch = branch - np.round(branch / period) * lengths
                 n, overlap = branch / np.linalg.norm(branch), p.radius[i] + p.radius[j] - np.linalg.norm(branch)
+                if overlap <= 0:
+                    self.springs.pop((i, j), None)
+                    continue
                 swept = np.cross(p.radius[i] * self.w[i] + p.radius[j] * self.w[j], n)
                 force = self.touch((i, j), n, overlap, self.v[i] - self.v[j] - swept, rough, move)
                 f[i] += force
                 f[j] -= force
-                torque[i] -= (p.radius[i] - overlap / 2) * np.cross(n, force)
-                torque[j] -= (p.radius[j] - overlap / 2) * np.cross(n, force)
-                if overlap > 0:
-                    pairs.append([i + 1, j + 1, *force, *self.springs.get((i, j), np.zeros(3)), overlap])
+                turning = np.cross(n, force) * rough
+                torque[i] -= (p.radius[i] - overlap / 2) * turning
+                torque[j] -= (p.radius[j] - overlap / 2) * turning
+                pairs.append([i + 1, j + 1, *force, *self.springs.get((i, j), np.zeros(3)), overlap])
             for k, wall in enumerate(s.walls):
                 n = self.normal[k]
                 overlap = p.radius[i] - (self.x[i] - self.point[k] - self.shift[k]) @ n
+                if overlap <= 0:
+                    self.springs.pop((i, -1 - k), None)
+                    continue
                 velocity = self.v[i] - wall_velocity[k] - np.cross(p.radius[i] * self.w[i], n)
                 force = self.touch((i, -1 - k), n, overlap, velocity, rough and wall.friction, move)
                 f[i] += force
-                torque[i] -= p.radius[i] * np.cross(n, force)
+                torque[i] -= p.radius[i] * np.cross(n, force) * (rough and wall.friction)
                 on_wall[k] -= force
         if s.gravity is not None:
             f[:, : s.dimension] += p.mass[:, None] * s.gravity

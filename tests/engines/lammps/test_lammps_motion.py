@@ -7,14 +7,15 @@ from harness.scene.model import Background, LinearNormal, SpringSliding
 from harness.scene.system import Constant, Cosine, Loaded
 
 TOLERANCE = 1e-12
-"""Relative to the largest value of the run; the largest seen is 3e-13."""
+"""Relative to the largest value of the run; most stay below 1e-13."""
 
 ELASTIC = LinearNormal(normal_stiffness=1e4, normal_damping=0.0, attraction="allowed")
-CLIPPED = LinearNormal(normal_stiffness=1e4, normal_damping=5.0, attraction="clipped")
-PULLING = LinearNormal(normal_stiffness=1e4, normal_damping=5.0, attraction="allowed")
+CLIPPED = LinearNormal(normal_stiffness=1e4, normal_damping=0.3, attraction="clipped")
+PULLING = LinearNormal(normal_stiffness=1e4, normal_damping=0.3, attraction="allowed")
 NO_SLIP_LIMIT = SpringSliding(shear_friction=50.0, shear_stiffness=3e3, shear_damping=0.2)
 NO_GRIP = SpringSliding(shear_friction=0.0, shear_stiffness=3e3, shear_damping=0.2)
 UNDAMPED = SpringSliding(shear_friction=0.4, shear_stiffness=3e3, shear_damping=0.0)
+WEAK = SpringSliding(shear_friction=0.1, shear_stiffness=3e3, shear_damping=0.2)
 DRAG = Background(translational_drag=2e-4)
 
 
@@ -87,9 +88,9 @@ def test_head_on_without_damping_exchanges_the_velocities(tmp_path, make_system,
 
 @pytest.mark.parametrize(("dim", "periodic"), [(2, (9.9e-3, 0.0)), (2, (9.9e-3, 8e-3)), (3, (9.9e-3, 0.0, 8.9e-3))])
 def test_periodic_axes(dim, periodic, tmp_path, make_system, run, reference):
-    x = np.array([[0.3e-3, 1e-3, 0.1e-3], [8.4e-3, 1.2e-3, 8.8e-3]])[:, :dim]
+    x = np.array([[0.3e-3, 1e-3, 0.1e-3], [8.05e-3, 1.2e-3, 8.8e-3]])[:, :dim]
     v = np.array([[-0.3, 0.0, 0.1], [0.3, 0.05, 0.0]])[:, :dim]
-    spin = [[20.0, 1.0, 2.0][-1 if dim == 2 else 0 :], [-5.0, 0.0, 3.0][-1 if dim == 2 else 0 :]]
+    spin = [[20.0], [-5.0]] if dim == 2 else [[20.0, 1.0, 2.0], [-5.0, 0.0, 3.0]]
     grains = make_system.particles(x, [1e-3, 1.1e-3], [1e-5, 2e-5], v=v, spin=spin)
     system = make_system.any(grains, periodic=periodic)
     expected, series = reference(system)
@@ -106,7 +107,7 @@ PLANES = {
     "in space": (SPACE, None),
     "constant": ((0.0, 1.0), Constant(velocity=(0.2, 0.1))),
     "constant in space": (SPACE, Constant(velocity=(0.2, 0.0, 0.1))),
-    "cosine": (TILTED, Cosine(travel=1e-4, duration=1e-3)),
+    "cosine": (TILTED, Cosine(travel=1e-4, duration=6e-4)),
     "loaded": ((0.0, 1.0), Loaded(mass=2e-5, load=0.1, stress=0.0, span=None, damping=0.05)),
     "loaded, tilted": (TILTED, Loaded(mass=2e-5, load=-0.1, stress=0.0, span=None, damping=0.0)),
 }
@@ -119,7 +120,7 @@ def test_particle_on_plane(name, friction, tmp_path, make_system, run, reference
     gravity = None if motion else (0.0, -9.81, 0.0)[: len(normal)]
     system = make_system.on_floor(make_system.floor(normal, friction=friction, motion=motion), gravity=gravity)
     expected, series = reference(system)
-    assert np.abs(series[:, 3:]).max() > 0.1
+    assert np.abs(series[:, 3:]).max() > 0.01
     found = run.trajectory(tmp_path, system)
     _compare(found, expected, series, system)
     for frame in found:
@@ -128,7 +129,7 @@ def test_particle_on_plane(name, friction, tmp_path, make_system, run, reference
         assert np.isnan(frame.contacts["ux"][rows]).all() == (friction or not rows.any())
 
 
-@pytest.mark.parametrize("sliding", [NO_SLIP_LIMIT, UNDAMPED, None])
+@pytest.mark.parametrize("sliding", [WEAK, UNDAMPED, None])
 def test_biaxial_box(sliding, tmp_path, make_system, run, reference):
     system = make_system.biaxial(9, sliding=sliding, background=DRAG)
     expected, series = reference(system)
@@ -141,11 +142,11 @@ def test_biaxial_box(sliding, tmp_path, make_system, run, reference):
 
 
 def test_cosine_wall_rests_after_its_travel(tmp_path, make_system, run, reference):
-    wall = make_system.floor((0.0, 1.0), motion=Cosine(travel=1e-4, duration=1e-3))
-    system = make_system.on_floor(wall, steps=600)
+    wall = make_system.floor((0.0, 1.0), motion=Cosine(travel=1e-4, duration=3e-4))
+    system = make_system.on_floor(wall)
     found = run.trajectory(tmp_path, system)
     _compare(found, *reference(system), system)
-    after = found.series["time"] >= 1e-3
+    after = found.series["time"] >= 3e-4
     np.testing.assert_array_equal(found.series["floor_d"][after], 1e-4)
     np.testing.assert_array_equal(found.series["floor_v"][after], 0.0)
 

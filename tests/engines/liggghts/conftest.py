@@ -9,7 +9,7 @@ import pytest
 
 from harness.engines.liggghts import LIGGGHTS
 from harness.scene.model import LinearNormal, SpringSliding
-from harness.scene.system import Constant, Cosine, Loaded, Particles, System
+from harness.scene.system import Constant, Cosine, Loaded, Particles, System, Wall
 
 
 def pytest_collection_modifyitems(items):
@@ -48,6 +48,28 @@ def _reference():
     return integrate
 
 
+@pytest.fixture(name="plane")
+def _plane():
+    return make_plane
+
+
+@pytest.fixture(name="agrees")
+def _agrees():
+    return assert_agrees
+
+
+@pytest.fixture(name="matches")
+def _matches(run):
+    """Run a system with LIGGGHTS and by the integration below; insist that they agree to rounding."""
+
+    def matches(system: System, tolerance: float = 1e-11):
+        trajectory = run(system)
+        assert_agrees(trajectory, system, integrate(system), tolerance)
+        return trajectory
+
+    return matches
+
+
 def write_deck(system: System, folder):
     folder.mkdir()
     for name, text in LIGGGHTS.render(system).items():
@@ -76,6 +98,33 @@ def make_system(*, x, v=None, spin=None, radius=0.5, mass=1.0, inertia=None, wal
         dimension=dim, particles=Particles(**filled), walls=tuple(walls), sliding=friction, dt=dt, steps=steps,
         normal=LinearNormal(normal_stiffness=kn, normal_damping=gn, attraction=attraction), **given,
     )
+
+
+def make_plane(index, name, point, normal, friction=False, motion=None) -> Wall:
+    unit = np.array(normal, float) / np.linalg.norm(normal)
+    return Wall(index=index, name=name, point=tuple(map(float, point)), normal=tuple(unit.tolist()),
+                friction=friction, motion=motion)
+
+
+def assert_agrees(trajectory, system: System, expected: Integration, tolerance: float) -> None:
+    """Compare the last frame and the whole series, each quantity relative to its largest value."""
+    last, dim = trajectory.frames[-1], system.dimension
+    close(last.particles.vector(*last.axes), expected.x[:, :dim], tolerance, "positions")
+    close(last.particles.vector(*("v" + a for a in last.axes)), expected.v[:, :dim], tolerance, "velocities")
+    spins = [c for c in ("wx", "wy", "wz") if c in last.particles]
+    close(last.particles.vector(*spins), expected.w[:, -len(spins):], tolerance, "spins")
+    assert trajectory.series["step"].tolist() == list(range(0, system.steps + 1, system.sample_every))
+    for k, wall in enumerate(system.walls):
+        rows = np.array([row[k] for row in expected.rows])
+        forces = [f"{wall.name}_f{a}" for a in last.axes]
+        close(trajectory.series.vector(*forces), rows[:, 2:], tolerance, f"forces on {wall.name}")
+        for column, values in zip(("d", "v"), rows.T, strict=False):
+            close(trajectory.series[f"{wall.name}_{column}"], values, tolerance, f"{wall.name}_{column}")
+
+
+def close(got, expected, tolerance, what):
+    off = np.abs(got - expected).max()
+    assert off <= tolerance * max(np.abs(expected).max(), 1e-3), f"{what}: off by {off:.3g}"
 
 
 class Integration:

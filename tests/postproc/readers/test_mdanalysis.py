@@ -46,6 +46,24 @@ def test_default_positions_of_mdanalysis_would_not_do(dump):
     assert 1e-9 < np.abs(difference).max() < 1e-5
 
 
+def test_a_2d_dump_has_no_z(tmp_path):
+    path = tmp_path / "flat.dump"
+    path.write_text(HEADER.format(step=5, n=2) + BOUNDS + "ITEM: ATOMS id xu yu\n2 0.1 0.2\n1 0.3 0.7\n")
+    (step, flat), = read_with_mdanalysis(path, ("id", "xu", "yu"))
+    assert step == 5
+    assert {k: v.tolist() for k, v in flat.items()} == {"id": [1.0, 2.0], "xu": [0.3, 0.1], "yu": [0.7, 0.2]}
+
+
+def test_the_readers_of_mdanalysis_stay_as_they_are(dump):
+    """Our variant is not registered for anybody's Universe, nor does it change the class it comes from."""
+    import MDAnalysis
+    from MDAnalysis.coordinates.LAMMPS import DumpReader
+
+    read_with_mdanalysis(dump)
+    assert MDAnalysis._READERS["LAMMPSDUMP"] is DumpReader
+    assert DumpReader._coordtype_column_names["unscaled"] == ["x", "y", "z"]
+
+
 def test_columns_can_be_chosen(dump):
     _, first = read_with_mdanalysis(dump, ("id", "radius"))[0]
     assert list(first) == ["id", "radius"]
