@@ -147,7 +147,7 @@ def _draw_force_deviation(axes, comparison: Comparison) -> None:
             deviation = np.maximum(force_deviation(a, b)[1:], 1e-17)
             axes.loglog(100 * a.strain[1:], deviation, lw=0.9, label=f"{p.left} - {p.right}")
     for w in comparison.scene.compare.windows:
-        axes.plot([5e-5 * 100, 100 * w.strain], [w.tolerance] * 2, color="#444444", lw=2, alpha=0.6)
+        axes.plot([1e-4, 100 * w.strain], [w.tolerance] * 2, color="#444444", lw=2, alpha=0.6)
     axes.set_xlim(left=1e-4)
     axes.set_xlabel("axial strain (%)")
     axes.set_ylabel("relative difference of top force")
@@ -199,14 +199,21 @@ def _chosen_frames(run: Run, comparison: Comparison) -> list[int]:
 
 def _chains(runs: list[Run], comparison: Comparison) -> Figure:
     figure, axes = figures.new_figure(len(runs), 4, width=13, height=3.3 * len(runs))
-    width = _typical_force(runs[0], _chosen_frames(runs[0], comparison)[-1])
+    width, view = _typical_force(runs[0], _chosen_frames(runs[0], comparison)[-1]), _view(runs)
     for row, run in zip(axes, runs, strict=True):
         for a, k in zip(row, _chosen_frames(run, comparison), strict=True):
-            figures.draw_force_chains(a, run.trajectory.frames[k], full_width=width)
+            figures.draw_force_chains(a, run.trajectory.frames[k], full_width=width, view=view)
             a.set_title(_panel_title(run, k, comparison), fontsize=8)
     return Figure(uri=figures.png_uri(figure, dpi=90), caption=(
         f"Contact forces at the frames nearest to the talk's four strains; a line 3 points wide carries {width:.2g} N."
     ))
+
+
+def _view(runs: list[Run]) -> np.ndarray:
+    """Bounds (2, 2) in m that hold the box of every frame shown, with a margin."""
+    boxes = np.array([f.box for r in runs for f in (r.trajectory.frames[0], r.trajectory.frames[-1])])
+    margin = 0.01 * float(np.ptp(boxes))
+    return np.stack([boxes[..., 0].min(axis=0) - margin, boxes[..., 1].max(axis=0) + margin], axis=1)
 
 
 def _typical_force(run: Run, frame: int) -> float:
@@ -215,19 +222,21 @@ def _typical_force(run: Run, frame: int) -> float:
 
 
 def _rotations(runs: list[Run], comparison: Comparison) -> Figure:
-    figure, axes = figures.new_figure(len(runs), 4, width=13, height=3.3 * len(runs))
-    turned = {r.engine: accumulated_rotation(r) for r in runs}
-    limit = float(np.percentile(np.abs(turned[runs[0].engine][-1]), 95)) or 1.0
-    for row, run in zip(axes, runs, strict=True):
-        for a, k in zip(row, _chosen_frames(run, comparison), strict=True):
-            discs = figures.draw_rotations(a, run.trajectory.frames[k], turned[run.engine][k], limit)
+    """One colour scale a strain: rotations grow a hundredfold, and each picture should show its own."""
+    figure, axes = figures.new_figure(len(runs), 4, width=13, height=3.5 * len(runs))
+    turned, view = {r.engine: accumulated_rotation(r) for r in runs}, _view(runs)
+    for column, picture in enumerate(zip(*(_chosen_frames(r, comparison) for r in runs), strict=True)):
+        values = [turned[r.engine][k] for r, k in zip(runs, picture, strict=True)]
+        limit = max(float(np.percentile(np.abs(v), 95)) for v in values) or 1.0
+        for a, run, k, v in zip(axes[:, column], runs, picture, values, strict=True):
+            discs = figures.draw_rotations(a, run.trajectory.frames[k], v, limit=limit, view=view)
             a.set_title(_panel_title(run, k, comparison), fontsize=8)
-    figure.colorbar(discs, ax=axes, shrink=0.6, label="rotation since the start (°), counter-clockwise > 0")
+        figure.colorbar(discs, ax=axes[:, column], location="bottom", shrink=0.8, aspect=30, label="rotation (°)")
     return Figure(uri=figures.png_uri(figure, dpi=90), caption=ROTATION_CAPTION)
 
 
 ROTATION_CAPTION = (
-    "Rotation of every disc since the start: its spin integrated over time by the trapezoidal rule on the recorded frames, so "
+    "Rotation of every disc since the start, counter-clockwise positive, one colour scale a strain: its spin integrated over time by the trapezoidal rule on the recorded frames, so "
     "bursts shorter than a frame's distance are smeared."
 )
 

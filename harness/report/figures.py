@@ -67,10 +67,11 @@ def draw_growth(axes, growth: Mapping[str, object]) -> None:
     axes.legend(fontsize=7)
 
 
-def draw_force_chains(axes, frame: Snapshot, *, full_width: float) -> None:
-    """Draw every contact as a line between centres (or to the wall), width by its normal force.
+def draw_force_chains(axes, frame: Snapshot, *, full_width: float, view: np.ndarray) -> None:
+    """Draw every contact as a line between centres (or to the wall), width by its force.
 
-    full_width: the force (N) drawn three points wide, the same for all panels of a figure.
+    full_width: the force (N) drawn three points wide; view: (2, 2) bounds in m, the same for all
+    panels of a figure.
     """
     from matplotlib.collections import LineCollection
 
@@ -78,11 +79,11 @@ def draw_force_chains(axes, frame: Snapshot, *, full_width: float) -> None:
     axes.add_collection(LineCollection(
         np.stack([start, end], axis=1), linewidths=np.minimum(3.0 * force / full_width, 4.0), colors="#222222",
     ))
-    _box_view(axes, frame)
+    _box_view(axes, frame, view)
 
 
-def draw_rotations(axes, frame: Snapshot, rotation: np.ndarray, limit: float):
-    """Draw the discs coloured by accumulated rotation in degrees, red counter-clockwise; return the artist."""
+def draw_rotations(axes, frame: Snapshot, rotation: np.ndarray, *, limit: float, view: np.ndarray):
+    """Draw the discs coloured by rotation in degrees, red counter-clockwise; return the artist."""
     from matplotlib.collections import EllipseCollection
 
     p = frame.particles
@@ -93,7 +94,7 @@ def draw_rotations(axes, frame: Snapshot, rotation: np.ndarray, limit: float):
     )
     discs.set_clim(-limit, limit)
     axes.add_collection(discs)
-    _box_view(axes, frame)
+    _box_view(axes, frame, view)
     return discs
 
 
@@ -105,12 +106,11 @@ def contact_lines(frame: Snapshot) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return 1e3 * centre[i], 1e3 * end, np.hypot(c["fx"], c["fy"])
 
 
-def _box_view(axes, frame: Snapshot) -> None:
-    low, high = 1e3 * np.asarray(frame.box).T
-    margin = 0.02 * (high - low).max()
-    axes.set_xlim(low[0] - margin, high[0] + 5 * margin)
-    axes.set_ylim(low[1] - margin, high[1] + margin)
-    axes.plot([low[0], high[0], high[0], low[0], low[0]], [low[1], low[1], high[1], high[1], low[1]], color="#888888", lw=0.8)
+def _box_view(axes, frame: Snapshot, view: np.ndarray) -> None:
+    """Draw the walls, show `view`, hide the axes."""
+    (left, right), (bottom, top) = 1e3 * np.asarray(frame.box)
+    axes.plot([left, right, right, left, left], [bottom, bottom, top, top, bottom], color="#888888", lw=0.8)
+    axes.set_xlim(*(1e3 * view[0]))
+    axes.set_ylim(*(1e3 * view[1]))
     axes.set_aspect("equal")
-    axes.set_xticks([])
-    axes.set_yticks([])
+    axes.axis("off")

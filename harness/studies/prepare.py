@@ -20,14 +20,15 @@ class Prepared:
     packing: Packing | None
 
 
-def prepare(scene: Scene, path: Path, *, packings: int, cache: Path) -> list[Prepared]:
+def prepare(scene: Scene, path: Path, *, packings: int | None, cache: Path) -> list[Prepared]:
     """Return the systems of a checked scene; packing k has the scene's seed + k.
 
-    A scene without a random packing has one start, whatever `packings` says. Raises InputError.
+    packings: how many; None means as many as the scene says. A scene without a random packing has
+    one start, whatever `packings` says. Raises InputError.
     """
     if not needs_packing(scene):
         return [Prepared(number=0, system=resolve(scene, path), packing=None)]
-    count = 1 if scene.particles.packing is not None else packings
+    count = 1 if scene.particles.packing is not None else packings or scene.compare.packings
     return [_packed(scene, path, k, cache) for k in range(count)]
 
 

@@ -77,8 +77,8 @@ def contacts_deck(system: System, neighbours: list[str]) -> str:
 
 def _series_lines(system: System) -> list[str]:
     """Return the series, and in walls.dat the same columns at the frames."""
-    lines = ["", "# time; of every wall: displacement along its normal, rate, force of the grains on it"]
-    lines.append("variable time equal step*dt")
+    walls = "; of every wall: displacement along its normal, rate, force of the grains on it"
+    lines = ["", f"# time{walls if system.walls else ''}", "variable time equal step*dt"]
     columns = {"time": "v_time"}
     for wall in system.walls:
         if wall.motion is not None:

@@ -87,8 +87,12 @@ class Liggghts:
         )
 
     def microseconds_per_step(self, system: System) -> float:
-        """Rough cost."""
-        return 12.0 + 0.2 * len(system.particles)
+        """Rough cost, measured on one core with 1950 discs, 4 contacts a disc: 241 with friction, 207 without.
+
+        Step overhead, each moving wall, forces and integration by particle.
+        """
+        moving = sum(not is_still(w) for w in system.walls)
+        return 6.0 + 5.5 * moving + (0.115 if system.sliding else 0.098) * len(system.particles)
 
 
 LIGGGHTS = Liggghts()

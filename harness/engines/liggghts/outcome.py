@@ -13,14 +13,19 @@ from harness.engines.protocol import RunResult
 MARKER = re.compile(FINISHED + r" step (\d+) of (\d+) with (\d+) of (\d+) atoms")
 LOOP = re.compile(r"^Loop time of (\S+) on ", re.MULTILINE)
 SHARE = re.compile(r"^(Pair|Neigh|Comm|Outpt|Other)\s+time \(%\) = (\S+) ", re.MULTILINE)
-ERROR = re.compile(r"^ERROR[^:]*: (.*?)(?: \(\S+:\d+\))?$", re.MULTILINE)
+ERROR = re.compile(r"^ERROR[^:]*: (.*)$", re.MULTILINE)
+PLACE = re.compile(r" \(\S+:\d+\)$")
 RUNAWAY = {
     "Lost atoms": "a particle left the domain",
     "Mesh elements have been lost": "a moving wall left the domain",
     "Domain too large": "a coordinate ran away",
     "Non-numeric": "a coordinate is not a number",
+    "Internal error (./src/tri_mesh": "a coordinate is not a number",
 }
-"""What LIGGGHTS says when the numbers ran away, and what it means."""
+"""What LIGGGHTS says when the numbers ran away, and what it means.
+
+The internal error is that of a point which is on no side of a triangle's edges.
+"""
 
 PHASES = {"Pair": "forces", "Neigh": "neighbours", "Comm": "communication", "Outpt": "output", "Other": "other"}
 
@@ -68,7 +73,7 @@ def _last_word(child: Child, text: str) -> str:
     """Return the engine's error, else the signal or exit status."""
     error = ERROR.search(text)
     if error:
-        return error[1]
+        return PLACE.sub("", error[1])
     if child.signal:
         return f"ended by {child.signal}"
     if child.returncode == 127:

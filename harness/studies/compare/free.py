@@ -37,8 +37,11 @@ def judge_free(scene: Free, starts, runs, engines: list[str], rerun: str) -> tup
     return [c for p, a in wanted for c in _agreement(p, a, done, rerun)], result
 
 
-QUANTITIES = {"position": "xyz", "velocity": ("vx", "vy", "vz"), "spin": ("wx", "wy", "wz")}
-"""What is compared over the whole trajectory; relative to the largest size in either run."""
+QUANTITIES = {"displacement": "xyz", "velocity": ("vx", "vy", "vz"), "spin": ("wx", "wy", "wz")}
+"""What is compared over the whole trajectory; relative to the largest size in either run.
+
+Positions count from the start: relative to a coordinate far from the origin any path would agree.
+"""
 
 
 def _agreement(pair: Pair, agreement: Agreement, done: dict[str, Trajectory], rerun: str) -> list[Check]:
@@ -66,12 +69,18 @@ def _judged(facts: dict, name: str, deviation: float | None, rerun: str) -> Chec
 def trajectory_deviation(a: Trajectory, b: Trajectory, columns) -> float | None:
     """Return max |a - b| / max(|a|, |b|) over frames, bodies and components; None if all is zero.
 
-    Raises ValueError when the frames are not of the same steps.
+    Positions are taken relative to their first frame. Raises ValueError when the frames are not of
+    the same steps.
     """
     if a.steps != b.steps:
         raise ValueError("frames at different steps")
-    present = [c for c in columns if c in a.frames[0].particles]
-    left = np.array([[f.particles[c] for c in present] for f in a])
-    right = np.array([[f.particles[c] for c in present] for f in b])
+    left, right = _stacked(a, columns), _stacked(b, columns)
     size = max(np.abs(left).max(initial=0.0), np.abs(right).max(initial=0.0))
     return None if size == 0.0 else float(np.abs(left - right).max() / size)
+
+
+def _stacked(trajectory: Trajectory, columns) -> np.ndarray:
+    """Return the columns that there are, (F, C, N); positions as displacements since the first frame."""
+    present = [c for c in columns if c in trajectory.frames[0].particles]
+    values = np.array([[f.particles[c] for c in present] for f in trajectory])
+    return values - values[0] if columns == QUANTITIES["displacement"] else values

@@ -76,7 +76,7 @@ def compare(
     from harness.runs.pool import run_many
 
     scene = load_scene(scene_file)
-    starts = prepare(scene, scene_file, packings=packings or scene.compare.packings, cache=out / "packings")
+    starts = prepare(scene, scene_file, packings=packings, cache=out / "packings")
     engines = _distinct(engines, scene)
     plan = [(s.number, e) for s in starts for e in engines]
     jobs = [(_label(e.name, number, len(starts)), e, starts[number].system) for number, e in plan]
