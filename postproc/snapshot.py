@@ -6,7 +6,8 @@ from j to i. All quantities of a 2D state are per unit thickness.
 Columns (arrays of one length a group; optional ones may be absent, never filled with zeros):
 
 particles
-    id, x, y[, z], radius[, mass, vx, vy, vz, wx, wy, wz, inertia (moment, kg m^2)]
+    id, x, y[, z], radius[, mass, vx, vy, vz, wx, wy, wz, inertia (moment, kg m^2),
+    rotation (2D: angle turned since the start, rad, counter-clockwise)]
 contacts
     i, j (particle ids; j < 0: wall -j), px, py[, pz] (contact point), fx, fy[, fz] (force on i)
     [, mx, my, mz (couple on i), ux, uy, uz (spring elongation: elastic displacement of i relative

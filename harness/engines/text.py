@@ -7,12 +7,12 @@ from collections.abc import Iterable
 
 
 def number(value: float) -> str:
-    """Return 17 significant digits: reading them back gives the same float64.
+    """Return the shortest decimal that reads back as the same float64, at most 17 digits.
 
     >>> number(0.1)
-    '0.10000000000000001'
+    '0.1'
     """
-    return f"{value:.17g}"
+    return repr(float(value)).removesuffix(".0")
 
 
 def numbers(values: Iterable[float]) -> str:

@@ -46,6 +46,19 @@ def sliding_is_on(scene: Scene) -> Iterator[Fault]:
 # --- biaxial ---------------------------------------------------------------------------------
 
 
+def rotations_can_be_followed(scene: Scene) -> Iterator[Fault]:
+    """An angle turned since the start exists in 2D, and changes only where friction turns something."""
+    if not scene.outputs.rotations:
+        return
+    if scene.dimension == 3:
+        yield Fault(place="outputs.rotations", expected="false in 3D, where no single angle exists", got="true")
+    if scene.contact.sliding is None:
+        yield Fault(
+            place="outputs.rotations", expected="false without contact.sliding, as nothing turns the particles",
+            got="true", fix="remove it",
+        )
+
+
 def particles_given_once(scene: Biaxial) -> Iterator[Fault]:
     """Either count, radius and seed, or a packing file."""
     p = scene.particles
@@ -267,11 +280,13 @@ def _file_fault(scene: Scene, folder: Path) -> Fault | None:
 
 CHECKS: dict[type, tuple[Check, ...]] = {
     Biaxial: (
-        sliding_is_on, particles_given_once, radii_in_order, one_packing_of_a_file, windows_within_strain,
+        sliding_is_on, rotations_can_be_followed,
+        particles_given_once, radii_in_order, one_packing_of_a_file, windows_within_strain,
         plateau_within_strain, published_values_exist,
     ),
     Free: (
-        sliding_is_on, bodies_given_once, vectors_fit_dimension, gravity_is_on, periodic_is_on,
+        sliding_is_on, rotations_can_be_followed,
+        bodies_given_once, vectors_fit_dimension, gravity_is_on, periodic_is_on,
         plane_names_differ, normals_point_somewhere, motions_are_on, rough_planes_have_friction,
         planes_leave_periodic_axes_free, planes_stay_apart,
     ),

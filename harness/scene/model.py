@@ -143,6 +143,8 @@ class Numerics(Table):
 class Outputs(Table):
     """How often to look: `samples` rows of wall forces, `frames` full states (with contacts or not).
 
+    With `rotations` every frame says how far each disc has turned since the start (2D, with sliding).
+
     Both come besides the initial state. The number of steps is rounded up to a common multiple of
     both, and the time step gets smaller accordingly (`harness.scene.numerics.plan_steps`).
     """
@@ -150,6 +152,7 @@ class Outputs(Table):
     samples: Count
     frames: Count
     contacts: bool
+    rotations: bool = False
 
 
 class Window(Table):

@@ -86,7 +86,8 @@ class System:
     """Everything an engine must compute, and nothing that is off.
 
     `periodic` holds one box length an axis, 0 for open axes; None when no axis is periodic; the box
-    starts at the origin. `sample_every`, `frame_every` are in steps and divide `steps`.
+    starts at the origin. `sample_every`, `frame_every` are in steps and divide `steps`. With `rotations` (2D
+    with sliding only) frames carry the angle that every particle has turned since the start.
     """
 
     dimension: int
@@ -102,6 +103,7 @@ class System:
     sample_every: int
     frame_every: int
     contacts: bool
+    rotations: bool = False
     scene_name: str = field(default="scene")
     title: str = field(default="")
 
@@ -132,7 +134,9 @@ class System:
         return replace(self, **changes)
 
 
-_PLAIN = ("dimension", "gravity", "periodic", "dt", "steps", "sample_every", "frame_every", "contacts")
+_PLAIN = (
+    "dimension", "gravity", "periodic", "dt", "steps", "sample_every", "frame_every", "contacts", "rotations",
+)
 
 
 def _struct(table) -> dict | None:

@@ -21,7 +21,7 @@ import numpy as np
 
 from postproc.readers.check import check_snapshot
 from postproc.readers.dump import read_dump, read_table
-from postproc.readers.rows import pair_geometry, particle_rows, spread, wall_rows
+from postproc.readers.rows import pair_geometry, particle_rows, spread, summed_rotations, wall_rows
 from postproc.readers.walls import box_from_walls
 from postproc.snapshot import Columns, Snapshot
 from postproc.trajectory import ReadError, Trajectory
@@ -58,11 +58,12 @@ def read_lammps(
     inertia_factor: np.ndarray,
     contacts: bool,
     shear_stiffness: float | None,
+    rotations: bool = False,
 ) -> Trajectory:
     """Read a finished run.
 
     inertia_factor: (N,), q in I = q m R^2. periodic: box length of each axis in m, 0 for open axes,
-    or None. contacts: did the run write them. shear_stiffness: k_t in N/m, None without sliding.
+    or None. contacts, rotations: did the run write them. shear_stiffness: k_t in N/m, None without sliding.
     Positions are unwrapped: a particle that crosses a periodic boundary goes on.
 
     Raises ReadError (file, line) on files that are missing, cut short, not numbers, or do not
@@ -71,15 +72,15 @@ def read_lammps(
     folder = Path(folder)
     reader = _Reader(folder, dimension, tuple(planes), periodic, shear_stiffness)
     series = reader.table(SERIES)
-    particles = read_dump(folder / FRAMES, kind="ATOMS", names=reader.particle_columns(contacts))
+    particles = read_dump(folder / FRAMES, kind="ATOMS", names=reader.particle_columns(contacts, rotations))
     steps = [step for step, _ in particles]
+    times = _times(series, steps, folder)
+    turned = summed_rotations([t["mean_spin"] for _, t in particles], times) if rotations else [None] * len(steps)
     states = reader.wall_states(steps)
     pairs = reader.pairs(steps) if contacts else [None] * len(steps)
     frames = tuple(
-        check_snapshot(folder, reader.snapshot(time, table, wall, pair, inertia_factor), f"step {step}: ")
-        for time, (step, table), wall, pair in zip(
-            _times(series, steps, folder), particles, states, pairs, strict=True
-        )
+        check_snapshot(folder, reader.snapshot(time, table, wall, pair, inertia_factor, angle), f"step {step}: ")
+        for time, (step, table), wall, pair, angle in zip(times, particles, states, pairs, turned, strict=True)
     )
     return Trajectory(frames=frames, steps=tuple(steps), series=series)
 
@@ -117,11 +118,13 @@ class _Reader:
         zero = np.zeros(found.rows)
         return Columns({c: zero if c in still else found[c] for c in ("step", "time", *wanted)}, "series")
 
-    def particle_columns(self, contacts: bool) -> dict[str, str]:
+    def particle_columns(self, contacts: bool, rotations: bool) -> dict[str, str]:
         """Return the columns of frames.dump and the names they get here."""
         spins = "z" if self.dimension == 2 else "xyz"
         plain = ["id", "radius", "mass", *(f"{a}u" for a in self.axes), *(f"v{a}" for a in self.axes)]
         names = {c: c for c in (*plain, *(f"omega{a}" for a in spins))}
+        if rotations:
+            names["f_mean_spin"] = "mean_spin"
         if contacts:
             for p in self.planes:
                 names[f"f_wall_{p.name}[1]"] = f"{p.name}_touches"
@@ -158,10 +161,11 @@ class _Reader:
         return [table for _, table in frames]
 
     def snapshot(
-        self, time: float, atoms: Columns, walls: Columns | None, pairs, inertia_factor: np.ndarray
+        self, time: float, atoms: Columns, walls: Columns | None, pairs, inertia_factor: np.ndarray,
+        turned: np.ndarray | None,
     ) -> Snapshot:
         """Put one frame together."""
-        particles = particle_rows(self.folder / FRAMES, atoms, self.dimension, inertia_factor, "u")
+        particles = particle_rows(self.folder / FRAMES, atoms, self.dimension, inertia_factor, "u", turned)
         contacts = None
         if pairs is not None:
             rows = [self._pair_rows(particles, *pairs)]

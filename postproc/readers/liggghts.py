@@ -19,8 +19,9 @@ from pathlib import Path
 
 import numpy as np
 
+from postproc.readers.check import check_snapshot
 from postproc.readers.dump import read_dump, read_table
-from postproc.readers.rows import pair_geometry, spread
+from postproc.readers.rows import pair_geometry, particle_rows, spread, summed_rotations, wall_rows
 from postproc.readers.walls import box_from_walls
 from postproc.snapshot import Columns, Snapshot
 from postproc.trajectory import ReadError, Trajectory
@@ -58,17 +59,18 @@ def read_liggghts(
     sample_every: int,
     contacts: bool,
     sliding: bool,
+    rotations: bool = False,
 ) -> Trajectory:
     """Read a finished run.
 
     periodic: box length of each axis in m, 0 for open axes, or None. inertia_factor: (N,), q in
-    I = q m R^2. dt: time step in s; sample_every: steps between the rows of the series. contacts: did
-    the run write them; sliding: do they have springs.
+    I = q m R^2. dt: time step in s; sample_every: steps between the rows of the series. contacts, rotations:
+    did the run write them; sliding: do they have springs.
 
     Forces of particles on each other are total, with full-step velocities. Forces of walls are those
     applied in that step (half-step velocities), except on a particle that touches two meshes at once
-    of which one has friction, or whose normals depend on each other: there they too are evaluated
-    with full-step velocities. The spring of a smooth wall is 0.
+    in a run with rough meshes, or with meshes whose normals depend on each other: there they too are
+    evaluated with full-step velocities. The spring of a smooth wall is 0.
 
     Raises ReadError (file, line) on files that are missing, cut short, not numbers, or do not belong
     together.
@@ -77,11 +79,14 @@ def read_liggghts(
     table = reader.wall_table()
     atoms = read_dump(reader.folder / PARTICLES, kind="ATOMS")
     steps = [step for step, _ in atoms]
+    turned = [None] * len(steps)
+    if rotations:
+        turned = summed_rotations([frame["f_mean_spin"] for _, frame in atoms], [step * dt for step in steps])
     pairs = reader.local(CONTACTS, "pairs", _PAIR, steps) if contacts else [None] * len(steps)
     shares = reader.shares(steps)
     frames = tuple(
-        reader.snapshot(step, frame, table, pair, share)
-        for (step, frame), pair, share in zip(atoms, pairs, shares, strict=True)
+        check_snapshot(reader.folder, reader.snapshot(step, frame, table, pair, share, angle), f"step {step}: ")
+        for (step, frame), pair, share, angle in zip(atoms, pairs, shares, turned, strict=True)
     )
     samples = table["step"] % sample_every == 0
     series = Columns({name: values[samples] for name, values in table.items()}, "series")
@@ -92,6 +97,9 @@ _PAIR, _SHARE = ("first", "second", "across"), ("mesh", "triangle", "particle")
 """The three ids that begin a row of contacts.dump, and of mesh_contacts.dump."""
 
 Rows = dict[str, np.ndarray]
+
+Told = dict[tuple[int, int], np.ndarray]
+"""Force and spring, (2, dim), by number of the mesh and id of the particle."""
 
 
 @dataclass(frozen=True)
@@ -131,23 +139,20 @@ class _Reader:
         row = int(np.searchsorted(table["step"], step))
         if row == table.rows or table["step"][row] != step:
             raise ReadError(f"{self.folder / SERIES}: has no row of step {step}, which {PARTICLES} has")
-        points = [
-            w.point + (table[f"{w.name}_d"][row] * np.array(w.normal) if w.velocity is None
-                       else step * self.dt * np.array(w.velocity))
-            for w in self.walls
-        ]
-        forces = [[table[f"{w.name}_f{a}"][row] for a in self.axes] for w in self.walls]
-        columns = {"id": np.array([w.index for w in self.walls])} | spread("p", np.array(points))
-        columns |= spread("n", np.array([w.normal for w in self.walls])) | spread("f", np.array(forces))
-        return Columns(columns, "walls")
+        return wall_rows(self.walls, table, row)
 
     # --- frames --------------------------------------------------------------------------------
 
     def snapshot(
-        self, step: int, atoms: Columns, table: Columns, pairs: Columns | None, shares: Columns | None
+        self, step: int, atoms: Columns, table: Columns, pairs: Columns | None, shares: Columns | None,
+        turned: np.ndarray | None,
     ) -> Snapshot:
         """Put one frame together."""
-        particles, walls = self._particles(atoms), self._walls_at(step, table)
+        unwrapped = "" if self.periodic is None else "u"
+        particles = particle_rows(
+            self.folder / PARTICLES, atoms, self.dimension, self.inertia_factor, unwrapped, turned
+        )
+        walls = self._walls_at(step, table)
         contacts = None
         if pairs is not None:
             rows = [self._pair_rows(particles, pairs), *self._wall_rows(particles, atoms, walls, shares)]
@@ -157,18 +162,6 @@ class _Reader:
             box=box_from_walls(walls, self.dimension, self.periodic),
             periodic=None if self.periodic is None else tuple(length > 0 for length in self.periodic),
         )
-
-    def _particles(self, atoms: Columns) -> Columns:
-        count = len(self.inertia_factor)
-        if not np.array_equal(atoms["id"], np.arange(1, count + 1)):
-            raise ReadError(f"{self.folder / PARTICLES}: {atoms.rows} particles, expected ids 1 to {count}")
-        unwrapped = "" if self.periodic is None else "u"
-        spins = "z" if self.dimension == 2 else "xyz"
-        columns = {"id": atoms["id"]} | {a: atoms[a + unwrapped] for a in self.axes}
-        columns |= {f"v{a}": atoms[f"v{a}"] for a in self.axes} | {f"w{a}": atoms[f"omega{a}"] for a in spins}
-        columns |= {"radius": atoms["radius"], "mass": atoms["mass"]}
-        columns["inertia"] = self.inertia_factor * atoms["mass"] * atoms["radius"] ** 2
-        return Columns(columns, "particles")
 
     # --- contacts ------------------------------------------------------------------------------
 
@@ -230,7 +223,7 @@ class _Reader:
         distance = np.stack([(x - p) @ n for p, n in zip(points, normals, strict=True)], axis=1)
         touches = distance < particles["radius"][:, None]
         forces, springs = self._plane_vectors(atoms, len(x))
-        self._mesh_vectors(atoms, touches, shares, forces, springs)
+        self._fill_in_meshes(atoms, touches, self._told(shares), forces, springs)
         rows = []
         for k, wall in enumerate(self.walls):
             t = touches[:, k]
@@ -255,41 +248,42 @@ class _Reader:
     def _per_atom(self, atoms: Columns, name: str) -> np.ndarray:
         return atoms.vector(*(f"{name}[{k + 1}]" for k in range(self.dimension)))
 
-    def _mesh_vectors(
-        self, atoms: Columns, touches: np.ndarray, shares: Columns | None, forces: np.ndarray, springs: np.ndarray
+    def _fill_in_meshes(
+        self, atoms: Columns, touches: np.ndarray, told: Told | None, forces: np.ndarray, springs: np.ndarray
     ) -> None:
-        """Fill in forces and springs of meshes; LIGGGHTS keeps one force for all meshes on a particle."""
+        """Set forces and springs of meshes; LIGGGHTS keeps one force for all meshes on a particle."""
         meshes = [k for k, w in enumerate(self.walls) if w.mesh is not None]
         if not meshes:
             return
+        if told is not None:
+            ids = range(1, len(touches) + 1)
+            touches[:, meshes] = [[(self.walls[k].mesh, i) in told for k in meshes] for i in ids]
         applied = self._per_atom(atoms, "f_force_meshes")
-        told = self._told(shares)
         for row in np.flatnonzero(touches[:, meshes].any(axis=1)):
             walls = [k for k in meshes if touches[row, k]]
-            values = [told.get((self.walls[k].mesh, row + 1)) for k in walls]
+            values = None if told is None else np.array([told[self.walls[k].mesh, row + 1] for k in walls])
             forces[row, walls] = self._split(applied[row], walls, values)
-            for k, value in zip(walls, values, strict=True):
-                if self.walls[k].rough:
-                    springs[row, k] = np.nan if value is None else value[1]
+            if values is not None:
+                rough = [self.walls[k].rough for k in walls]
+                springs[row, np.array(walls)[rough]] = values[rough, 1]
 
-    def _told(self, shares: Columns | None) -> dict[tuple[int, int], np.ndarray]:
-        """Return force and spring (2, dim) by number of the mesh and id of the particle."""
+    def _told(self, shares: Columns | None) -> Told | None:
+        """Return what LIGGGHTS tells of single contacts with meshes, None if the run did not write it."""
         if shares is None:
-            return {}
+            return None
         force = shares.vector(*("f" + a for a in self.axes))
         spring = shares.vector(*("u" + a for a in self.axes)) if "ux" in shares else np.full_like(force, np.nan)
         keys = zip(shares["mesh"].astype(int), shares["particle"].astype(int), shares["overlap"], strict=True)
         return {(m, i): np.array([force[k], spring[k]]) for k, (m, i, overlap) in enumerate(keys) if overlap > 0}
 
-    def _split(self, applied: np.ndarray, walls: list[int], values: list[np.ndarray | None]) -> np.ndarray:
+    def _split(self, applied: np.ndarray, walls: list[int], values: np.ndarray | None) -> np.ndarray:
         """Return the share (walls, dim) of each wall in the force that all meshes apply to a particle."""
         if len(walls) == 1:
             return applied[None, :]
+        if values is not None:
+            return values[:, 0]
         normals = np.array([self.walls[k].normal for k in walls])
-        smooth = not any(self.walls[k].rough for k in walls)
-        if smooth and np.linalg.matrix_rank(normals) == len(walls):
-            return np.linalg.lstsq(normals.T, applied, rcond=None)[0][:, None] * normals
-        return np.array([np.full(self.dimension, np.nan) if v is None else v[0] for v in values])
+        return np.linalg.lstsq(normals.T, applied, rcond=None)[0][:, None] * normals
 
 
 __all__ = ["LiggghtsWall", "ReadError", "read_liggghts"]

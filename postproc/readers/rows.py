@@ -53,12 +53,13 @@ def pair_geometry(
 
 
 def particle_rows(
-    path: Path, atoms: Columns, dimension: int, inertia_factor: np.ndarray, positions: str = ""
+    path: Path, atoms: Columns, dimension: int, inertia_factor: np.ndarray, positions: str = "",
+    turned: np.ndarray | None = None,
 ) -> Columns:
     """Return the particles of one dump frame, ids 1 to N in order.
 
     atoms: id, x, y[, z] with the suffix `positions` ("u": unwrapped), v*, omega*, radius, mass.
-    inertia_factor: (N,), q in I = q m R^2. Raises ReadError (path) when a particle is missing.
+    inertia_factor: (N,), q in I = q m R^2. turned: (N,), angle since the start in rad, if known. Raises ReadError (path) when a particle is missing.
     """
     count = len(inertia_factor)
     if not np.array_equal(atoms["id"], np.arange(1, count + 1)):
@@ -67,7 +68,20 @@ def particle_rows(
     columns = {"id": atoms["id"]} | {a: atoms[a + positions] for a in axes}
     columns |= {f"v{a}": atoms[f"v{a}"] for a in axes} | {f"w{a}": atoms[f"omega{a}"] for a in spins}
     columns |= {"radius": atoms["radius"], "mass": atoms["mass"]}
-    return Columns(columns | {"inertia": inertia_factor * atoms["mass"] * atoms["radius"] ** 2}, "particles")
+    columns |= {"inertia": inertia_factor * atoms["mass"] * atoms["radius"] ** 2}
+    return Columns(columns if turned is None else columns | {"rotation": turned}, "particles")
+
+
+def summed_rotations(mean_spins: Sequence[np.ndarray], times: Sequence[float]) -> list[np.ndarray]:
+    """Return the angle turned since the first frame, rad, (N,) a frame.
+
+    mean_spins: of every frame (N,), the mean of sampled spins since the frame before, rad/s; the
+    first is not used. An angle is as good as the sampling.
+    """
+    turned = [np.zeros_like(mean_spins[0])]
+    for spin, duration in zip(mean_spins[1:], np.diff(times), strict=True):
+        turned.append(turned[-1] + spin * duration)
+    return turned
 
 
 def wall_rows(planes: Sequence[FlatWall], table: Columns, row: int) -> Columns:

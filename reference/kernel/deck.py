@@ -64,6 +64,7 @@ def _model(deck: dict, p: dict[str, np.ndarray]) -> Model:
         gravity=_tuple(deck.get("gravity")),
         drag=deck.get("drag"),
         periodic=_tuple(deck.get("periodic")),
+        rotations=deck.get("rotations", False),
     )
 
 

@@ -71,7 +71,10 @@ class Wall:
 
 @dataclass(frozen=True, kw_only=True)
 class Model:
-    """A DEM problem. x, v: (dim, N); spin: (1|3, N); radius, mass, inertia: (N,). SI units."""
+    """A DEM problem. x, v: (dim, N); spin: (1|3, N); radius, mass, inertia: (N,). SI units.
+
+    With `rotations` (2D) the state carries the angle that every particle has turned.
+    """
 
     x: np.ndarray
     v: np.ndarray
@@ -87,6 +90,7 @@ class Model:
     gravity: tuple[float, ...] | None = None
     drag: float | None = None
     periodic: tuple[float, ...] | None = None
+    rotations: bool = False
 
     @property
     def dimension(self) -> int:

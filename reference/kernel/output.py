@@ -50,7 +50,7 @@ def write_frame(file, number: int, simulation: Simulation, *, contacts: bool) ->
 
 
 def particle_table(simulation: Simulation) -> dict[str, np.ndarray]:
-    """Columns id, x.., v.., w.., radius, mass, inertia of all particles."""
+    """Columns id, x.., v.., w.., radius, mass, inertia[, rotation] of all particles."""
     s, m = simulation.state, simulation.model
     n = m.particle_count
     axes = "xyz"[: m.dimension]
@@ -61,6 +61,7 @@ def particle_table(simulation: Simulation) -> dict[str, np.ndarray]:
         **dict(zip((f"v{a}" for a in axes), s.v[:, :n], strict=True)),
         **dict(zip(spins, s.spin[:, :n], strict=True)),
         "radius": m.radius, "mass": m.mass, "inertia": m.inertia,
+        **({} if s.turned is None else {"rotation": s.turned}),
     }
 
 

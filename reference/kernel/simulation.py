@@ -81,6 +81,8 @@ class Simulation:
     def _drift(self) -> None:
         s, p = self.state, self._particles
         s.x[:, p] += self.model.dt * s.v[:, p]
+        if s.turned is not None:
+            s.turned += self.model.dt * s.spin[0, p]
         s.step += 1
 
     def _move_walls(self) -> None:

@@ -17,6 +17,7 @@ class State:
     x, v, force: (dim, N+W); x of a wall is a point on its plane. spin, torque: (1|3, N+W), zero for
     walls. radius: (N+W,), 0 for walls. wall_normal: (dim, W). wall_d, wall_rate: (W,) displacement
     along the normal since the start and its rate. wall_force: (dim, W) force of particles on walls.
+    turned: (N,) angle since the start, rad; None unless it is followed.
     """
 
     x: np.ndarray
@@ -29,6 +30,7 @@ class State:
     wall_d: np.ndarray
     wall_rate: np.ndarray
     wall_force: np.ndarray
+    turned: np.ndarray | None = None
     step: int = 0
 
 
@@ -52,4 +54,5 @@ def initial_state(model: Model) -> State:
         wall_d=np.zeros(walls),
         wall_rate=dot(wall_v, normal),
         wall_force=np.zeros((dim, walls)),
+        turned=np.zeros(model.particle_count) if model.rotations else None,
     )

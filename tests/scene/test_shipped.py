@@ -37,13 +37,14 @@ def test_scene_loads_and_survives_a_round_trip(file, scenes):
 def test_scene_is_far_from_instability_and_explains_itself(file):
     scene = load_scene(file)
     system = known_system(scene, file)
-    assert derive(scene, system).stability_margin > 3
+    assert derive(scene, system).stability_margin > 1.5  # of a bound that counts six smallest neighbours
     assert all(row.text for _, rows in explain(scene, system) for row in rows)
 
 
 def test_boxes_differ_in_friction_and_size_only():
     friction, smooth, quick = (msgspec.to_builtins(shipped(n)) for n in BOXES)
-    assert {k for k in friction if friction[k] != smooth[k]} <= {"title", "contact", "compare"}
+    assert {k for k in friction if friction[k] != smooth[k]} <= {"title", "contact", "compare", "outputs", "side"}
+    assert smooth["outputs"]["rotations"] is False
     assert friction["contact"]["normal"] == smooth["contact"]["normal"]
     assert smooth["contact"]["sliding"] is None
     assert {k for k in friction if friction[k] != quick[k]} <= {"title", "particles", "top", "outputs", "compare"}
@@ -60,8 +61,8 @@ def test_boxes_are_slow_and_their_wall_is_light(name):
 
 def test_quick_box_is_quick():
     derived = derive(shipped("biaxial_quick"))
-    assert derived.plan.steps <= 31_000
-    assert derived.grains.count <= 200
+    assert derived.plan.steps * derived.grains.count <= 200 * 160_000
+    assert derived.inertial_number < 1e-3
 
 
 def test_head_on_meets_within_its_duration():

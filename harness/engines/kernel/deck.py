@@ -48,6 +48,8 @@ def _optional(system: System) -> dict:
         on["gravity"] = list(system.gravity)
     if system.periodic is not None:
         on["periodic"] = list(system.periodic)
+    if system.rotations:
+        on["rotations"] = True
     return on
 
 
@@ -79,5 +81,5 @@ def _particles(system: System) -> str:
     header = ["id", *axes, "radius", "mass", "inertia", *(f"v{a}" for a in axes), *spins]
     inertia = p.inertia_factor * p.mass * p.radius**2
     table = np.column_stack([p.x, p.radius, p.mass, inertia, p.v, p.spin])
-    rows = (",".join([str(k + 1), *(f"{value:.17g}" for value in row)]) for k, row in enumerate(table))
+    rows = (",".join([str(k + 1), *(repr(float(value)) for value in row)]) for k, row in enumerate(table))
     return "\n".join([",".join(header), *rows]) + "\n"

@@ -111,6 +111,7 @@ def _judged(child: Child, time_limit: float) -> tuple[str, str]:
 
 def _report(child: Child) -> dict:
     try:
-        return json.loads(child.last_lines[-1])
+        report = json.loads(child.last_lines[-1])
     except (IndexError, json.JSONDecodeError):
         return {}
+    return report if isinstance(report, dict) else {}

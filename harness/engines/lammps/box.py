@@ -1,7 +1,7 @@
 """The simulation box: where LAMMPS keeps its atoms, which is not where the walls are.
 
 Behind an axis-aligned wall there is little room: a grain that breaks through the wall leaves the box
-and LAMMPS stops with "Lost atoms". On an open side the box ends a million system sizes away, which
+and LAMMPS stops with "Lost atoms". On an open side the box ends a billion system sizes away, which
 only a run that blew up reaches. (Shrink-wrapped faces would do without that number, but restart files
 written between two neighbour searches cannot be read when a grain has left the box of the last one.)
 In 2D the z axis is periodic, one unit thick.
@@ -13,11 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from harness.engines.facts import is_periodic, loaded_walls, walls_across
 from harness.scene.system import Constant, Cosine, Loaded, System, Wall
 
 ROOM_IN_RADII = 4.0
 """Distance of a face from the wall before it, in largest radii."""
-FAR = 1e6
+FAR = 1e9
 """Distance of an open face, in system sizes."""
 
 
@@ -55,18 +56,13 @@ def simulation_box(system: System) -> Box:
     return Box(axes=tuple(axes))
 
 
-def is_periodic(system: System, axis: int) -> bool:
-    """Is this axis periodic?"""
-    return system.periodic is not None and system.periodic[axis] > 0
-
-
 def _axis(system: System, a: int) -> Axis:
     if is_periodic(system, a):
         return Axis(low=0.0, high=system.periodic[a], periodic=True)
     p = system.particles
     room = ROOM_IN_RADII * float(p.radius.max())
-    below, above = _walls_across(system, a, +1.0), _walls_across(system, a, -1.0)
-    ends = [*_carrier(system), *(p.x[:, a] - p.radius), *(p.x[:, a] + p.radius)]
+    below, above = walls_across(system, a, +1.0), walls_across(system, a, -1.0)
+    ends = [*_origin(system), *(p.x[:, a] - p.radius), *(p.x[:, a] + p.radius)]
     ends += [w.point[a] for w in below + above]
     extent = max(ends) - min(ends)
     low = min([*ends, *(w.point[a] + _lowest(system, w, extent) for w in below)]) - room
@@ -78,14 +74,8 @@ def _axis(system: System, a: int) -> Axis:
     )
 
 
-def _carrier(system: System) -> list[float]:
-    return [0.0] if any(isinstance(w.motion, Loaded) for w in system.walls) else []
-
-
-def _walls_across(system: System, a: int, sign: float) -> list[Wall]:
-    """Return the walls whose normal is exactly +-e_a."""
-    unit = sign * np.eye(system.dimension)[a]
-    return [w for w in system.walls if np.array_equal(w.normal, unit)]
+def _origin(system: System) -> list[float]:
+    return [0.0] if loaded_walls(system) else []
 
 
 def _lowest(system: System, wall: Wall, extent: float) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from harness.engines.facts import loaded_walls
 from harness.engines.lammps.box import Box, simulation_box
 from harness.engines.lammps.effects import drag_lines, gravity_lines, integration_lines
 from harness.engines.lammps.law import contact_law
@@ -12,7 +13,7 @@ from harness.engines.lammps.output import (
     output_lines,
     run_lines,
 )
-from harness.engines.lammps.packing import kinds, loaded_walls, packing_data
+from harness.engines.lammps.packing import kinds, packing_data
 from harness.engines.lammps.walls import beyond_lines, loaded_wall_lines, wall_lines
 from harness.engines.text import comment
 from harness.scene.system import System

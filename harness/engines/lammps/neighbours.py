@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 
+from harness.engines.facts import loaded_walls
 from harness.engines.lammps.box import Box
-from harness.engines.lammps.packing import kinds, loaded_walls
+from harness.engines.lammps.packing import kinds
 from harness.engines.text import number
 from harness.scene.system import System
 

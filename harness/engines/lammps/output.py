@@ -8,6 +8,7 @@ so that a run with contact output is the same, bit for bit, as one without.
 
 from __future__ import annotations
 
+from harness.engines.family import MEAN_SPIN, rotation_lines
 from harness.engines.lammps.law import NO_LIMIT, contact_law
 from harness.engines.lammps.walls import force_sums
 from harness.engines.text import comment
@@ -107,9 +108,11 @@ def _frame_lines(system: System) -> list[str]:
     walls = [
         f"f_wall_{w.name}[{k}]" for w in system.walls for k in range(1, 2 + system.dimension)
     ] if system.contacts else []
+    more = " ".join([MEAN_SPIN, *walls] if system.rotations else walls)
     return [
+        *rotation_lines(system),
         "",
-        f"dump frames grains custom {system.frame_every} {FRAMES} {columns} radius mass {' '.join(walls)}".rstrip(),
+        f"dump frames grains custom {system.frame_every} {FRAMES} {columns} radius mass {more}".rstrip(),
         "dump_modify frames sort id format float %.17g",
     ]
 

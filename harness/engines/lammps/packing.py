@@ -9,27 +9,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from harness.engines.facts import carrier_id, loaded_walls, rotates
 from harness.engines.lammps.box import Box
 from harness.engines.text import comment, number, numbers
-from harness.scene.system import INERTIA_FACTOR, Loaded, System, Wall
+from harness.scene.system import INERTIA_FACTOR, System
 
 INTEGRATORS = {"sphere": "nve/sphere", "disc": "nve/sphere disc"}
 """The moments of inertia LAMMPS can integrate, and how; "disc" in 2D only."""
-
-
-def loaded_walls(system: System) -> list[Wall]:
-    """Return the walls that have a mass; each one needs a carrier atom."""
-    return [w for w in system.walls if isinstance(w.motion, Loaded)]
-
-
-def carrier_id(system: System, wall: Wall) -> int:
-    """Return the atom id of a loaded wall's carrier: N+1, N+2, ..."""
-    return len(system.particles) + 1 + [w.name for w in loaded_walls(system)].index(wall.name)
-
-
-def rotates(system: System) -> bool:
-    """Can a contact turn a particle? Without friction spins stay what they are."""
-    return system.sliding is not None
 
 
 def kinds(system: System) -> dict[str, int]:

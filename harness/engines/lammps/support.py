@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from harness.engines.lammps.box import is_periodic
-from harness.engines.lammps.packing import INTEGRATORS, rotates
+from harness.engines.facts import crossing_walls, narrow_axes, rotates
+from harness.engines.lammps.packing import INTEGRATORS
 from harness.engines.protocol import Support
 from harness.scene.effects import effects_on
 from harness.scene.system import INERTIA_FACTOR, Constant, System
@@ -33,7 +33,7 @@ NOTES = {
 def judge(system: System) -> tuple[Support, ...]:
     """Return one judgement an effect, and one for each thing LAMMPS cannot do."""
     found = [_known(effect) for effect in effects_on(system)]
-    return (*found, *_shear_damping(system), *_inertia(system), *_crossing(system), *_pushed_at_start(system))
+    return (*found, *(s for check in _CHECKS for s in check(system)))
 
 
 def _known(effect: str) -> Support:
@@ -82,11 +82,16 @@ def _pushed_at_start(system: System) -> list[Support]:
 
 
 def _crossing(system: System) -> list[Support]:
-    """Return the walls that lie across a periodic axis: LAMMPS sees them from one image only."""
-    names = [
-        w.name
-        for w in system.walls
-        if any(n != 0.0 and is_periodic(system, a) for a, n in enumerate(w.normal))
-    ]
+    names = [w.name for w in crossing_walls(system)]
     note = f"{', '.join(names)}: a plane across a periodic axis, seen by one image of a grain only"
     return [Support(effect="walls", level="unsupported", note=note)] if names else []
+
+
+def _narrow(system: System) -> list[Support]:
+    """LAMMPS keeps a spring by the id of the partner, so a pair may touch through one image only."""
+    axes = narrow_axes(system)
+    note = f"period along {', '.join(axes)} up to two diameters: a pair could touch through two images"
+    return [Support(effect="periodic axes", level="unsupported", note=note)] if axes else []
+
+
+_CHECKS = (_shear_damping, _inertia, _pushed_at_start, _crossing, _narrow)

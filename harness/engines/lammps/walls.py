@@ -16,9 +16,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from harness.engines.lammps.box import is_periodic
+from harness.engines.facts import carrier_id, is_periodic, is_rough, loaded_walls
 from harness.engines.lammps.law import contact_law, smooth_law
-from harness.engines.lammps.packing import carrier_id, loaded_walls
 from harness.engines.text import number, numbers
 from harness.scene.system import Constant, Cosine, Loaded, System, Wall
 
@@ -120,7 +119,7 @@ def _direction(wall: Wall) -> list[str]:
 
 
 def _contact_line(system: System, wall: Wall) -> str:
-    rough = wall.friction and system.sliding is not None
+    rough = is_rough(system, wall)
     law = contact_law(system.normal, system.sliding) if rough else smooth_law(system.normal)
     sums = " ".join(f"f_wall_{wall.name}[{a + 2}]" for a in range(system.dimension))
     return (

@@ -6,11 +6,12 @@ import math
 
 import numpy as np
 
+from harness.engines.facts import loaded_walls
 from harness.engines.liggghts.domain import Domain, domain_of
 from harness.engines.liggghts.law import law_lines
 from harness.engines.liggghts.motions import carrier_lines, constant_motion_lines, motion_lines
 from harness.engines.liggghts.output import contact_computes, frame_lines, series_lines
-from harness.engines.liggghts.packing import loaded_walls, packing_data
+from harness.engines.liggghts.packing import packing_data
 from harness.engines.liggghts.planes import meshes, space, stl
 from harness.engines.liggghts.walls import wall_lines
 from harness.engines.text import comment, number

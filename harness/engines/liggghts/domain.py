@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.engines.liggghts.planes import anchor, is_periodic, is_still, mesh_velocity, meshes, reach
+from harness.engines.facts import is_periodic, rotates, walls_across
+from harness.engines.liggghts.planes import anchor, is_still, mesh_velocity, meshes, reach
 from harness.scene.system import INERTIA_FACTOR, Constant, Cosine, Loaded, System, Wall
 
 ROOM_IN_RADII = 4.0
@@ -26,11 +27,6 @@ class Domain:
     bounds: np.ndarray
     styles: str
     discs: bool
-
-
-def rotates(system: System) -> bool:
-    """Can a contact turn a particle? Without friction spins stay what they are."""
-    return system.sliding is not None
 
 
 def domain_of(system: System) -> Domain:
@@ -58,21 +54,15 @@ def _bounds(system: System, axis: int) -> tuple[float, float]:
     p = system.particles
     room = ROOM_IN_RADII * float(p.radius.max())
     ends = [float((p.x[:, axis] - p.radius).min()), float((p.x[:, axis] + p.radius).max())]
-    ends += [w.point[axis] for side in (1.0, -1.0) for w in _walls_across(system, axis, side)]
+    ends += [w.point[axis] for side in (1.0, -1.0) for w in walls_across(system, axis, side)]
     extent = max(ends) - min(ends)
     ends += [e for w in meshes(system) for e in _anchors(system, w, extent, axis)]
     low, high = min(ends) - room, max(ends) + room
-    if not _walls_across(system, axis, 1.0):
+    if not walls_across(system, axis, 1.0):
         low -= _flight(system, extent)
-    if not _walls_across(system, axis, -1.0):
+    if not walls_across(system, axis, -1.0):
         high += _flight(system, extent)
     return low, high
-
-
-def _walls_across(system: System, axis: int, sign: float) -> list[Wall]:
-    """Return the walls whose normal is exactly +-e_a: they bound the particles on that side."""
-    unit = sign * np.eye(system.dimension)[axis]
-    return [w for w in system.walls if np.array_equal(w.normal, unit)]
 
 
 def _anchors(system: System, wall: Wall, extent: float, axis: int) -> list[float]:

@@ -11,10 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from harness.engines.child import last_step, run_child
+from harness.engines.facts import is_rough
 from harness.engines.liggghts.deck import INPUT, render
 from harness.engines.liggghts.outcome import judge
 from harness.engines.liggghts.output import SERIES
-from harness.engines.liggghts.planes import is_primitive, is_rough, is_still, meshes
+from harness.engines.liggghts.planes import is_primitive, is_still, meshes
 from harness.engines.liggghts.support import supports
 from harness.engines.protocol import Probe, RunResult, Support
 from harness.scene.system import Constant
@@ -83,6 +84,7 @@ class Liggghts:
         return read_liggghts(
             folder, walls=walls, dimension=system.dimension, dt=system.dt, sample_every=system.sample_every,
             inertia_factor=system.particles.inertia_factor, contacts=system.contacts,
+            rotations=system.rotations,
             sliding=system.sliding is not None, periodic=system.periodic,
         )
 

@@ -12,7 +12,8 @@ tangential constants are zero.
 
 from __future__ import annotations
 
-from harness.engines.liggghts.planes import is_rough, meshes
+from harness.engines.facts import is_rough
+from harness.engines.liggghts.planes import meshes
 from harness.engines.text import number
 from harness.scene.system import System, Wall
 

@@ -21,7 +21,7 @@ import math
 
 import numpy as np
 
-from harness.engines.liggghts.packing import carrier_id, loaded_walls
+from harness.engines.facts import carrier_id, loaded_walls
 from harness.engines.liggghts.planes import is_still, mesh_velocity, meshes, normal_speed, space
 from harness.engines.text import number
 from harness.scene.system import Constant, Cosine, Loaded, System, Wall
@@ -109,7 +109,7 @@ def _cosine(system: System, wall: Wall) -> list[str]:
     if last is not None:
         rest = motion.travel * math.cos(half * last) ** 2 / system.dt
         mean = f"(step<={last})*{mean}+(step=={last + 1})*{_signed(rest)}"
-    return [f'variable {name}_mean equal "{mean}"', *_move(wall, f"v_{name}_mean")]
+    return [f"# {name}: mean rate of the step", f'variable {name}_mean equal "{mean}"', *_move(wall, f"v_{name}_mean")]
 
 
 def _loaded(system: System, wall: Wall) -> list[str]:
@@ -117,6 +117,7 @@ def _loaded(system: System, wall: Wall) -> list[str]:
     kick = f"{number(system.dt / wall.motion.mass)}*(1.0-0.5*(step==1))"
     depth = "NULL" if system.dimension == 2 else "v_zero"
     return [
+        f"# {name}: rate at the half step and displacement, kept as vx and vy of atom {atom}",
         f'variable {name}_half equal "vx[{atom}]+{kick}*({force(system, wall, "(step-1)")})"',
         f'variable {name}_next equal "vy[{atom}]+{number(system.dt)}*v_{name}_half"',
         f"fix {name}_state {name}_carrier move variable v_zero v_zero {depth} v_{name}_half v_{name}_next NULL",

@@ -6,8 +6,10 @@ of its own (`thermo_log`). Its total kinetic energy is only looked at for NaN.
 
 from __future__ import annotations
 
+from harness.engines.facts import is_rough
+from harness.engines.family import MEAN_SPIN, rotation_lines
 from harness.engines.liggghts.motions import displacement, force, mesh_force, rate
-from harness.engines.liggghts.planes import is_rough, is_still, meshes, primitives
+from harness.engines.liggghts.planes import is_still, meshes, primitives
 from harness.engines.liggghts.walls import shares_are_unclear
 from harness.scene.system import Loaded, System, Wall
 
@@ -49,7 +51,8 @@ def wall_columns(system: System, wall: Wall) -> list[str]:
 
 def frame_lines(system: System) -> list[str]:
     """Return the dumps. Particles come first: wall/gran/local clears the wall forces on the particles."""
-    lines = ["", "# frames", *_dump("particles", "grains custom", system, PARTICLES, _particle_columns(system))]
+    lines = rotation_lines(system)
+    lines += ["", "# frames", *_dump("particles", "grains custom", system, PARTICLES, _particle_columns(system))]
     lines.append("dump_modify particles sort id")
     if system.contacts:
         springs = 0 if system.sliding is None else 3
@@ -107,7 +110,7 @@ def _particle_columns(system: System) -> list[str]:
     unwrapped = "u" if system.periodic is not None else ""
     spins = "z" if system.dimension == 2 else "xyz"
     columns = ["id", *(a + unwrapped for a in axes), *("v" + a for a in axes), *("omega" + a for a in spins),
-               "radius", "mass"]
+               "radius", "mass", *([MEAN_SPIN] if system.rotations else [])]
     if not system.contacts:
         return columns
     for wall in primitives(system):

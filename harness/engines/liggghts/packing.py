@@ -10,21 +10,12 @@ import itertools
 
 import numpy as np
 
+from harness.engines.facts import carrier_id, loaded_walls
 from harness.engines.liggghts.domain import Domain
 from harness.engines.liggghts.law import type_count
 from harness.engines.liggghts.planes import meshes
 from harness.engines.text import comment, number, numbers
-from harness.scene.system import Loaded, System, Wall
-
-
-def loaded_walls(system: System) -> list[Wall]:
-    """Return the walls that have a mass."""
-    return [w for w in system.walls if isinstance(w.motion, Loaded)]
-
-
-def carrier_id(system: System, wall: Wall) -> int:
-    """Return the atom id of the carrier of a wall with a mass: N+1, N+2, ..."""
-    return len(system.particles) + 1 + [w.name for w in loaded_walls(system)].index(wall.name)
+from harness.scene.system import System
 
 
 def packing_data(system: System, domain: Domain) -> str:

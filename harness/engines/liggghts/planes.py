@@ -12,13 +12,9 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from harness.engines.facts import is_periodic, is_rough
 from harness.engines.text import numbers
 from harness.scene.system import Constant, System, Wall
-
-
-def is_rough(system: System, wall: Wall) -> bool:
-    """Does the wall have friction?"""
-    return wall.friction and system.sliding is not None
 
 
 def across_axis(wall: Wall) -> int | None:
@@ -63,11 +59,6 @@ def primitives(system: System) -> list[Wall]:
 def meshes(system: System) -> list[Wall]:
     """Return the walls that are triangle meshes; their order is that of `fix wall/gran ... meshes`."""
     return [w for w in system.walls if not is_primitive(system, w)]
-
-
-def is_periodic(system: System, axis: int) -> bool:
-    """Is this axis periodic?"""
-    return system.periodic is not None and axis < system.dimension and system.periodic[axis] > 0
 
 
 def anchor(system: System, wall: Wall) -> np.ndarray:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from harness.engines.liggghts.planes import across_axis, is_periodic, is_still, meshes, slip_velocity
+from harness.engines.facts import crossing_walls, narrow_axes, rotates
+from harness.engines.liggghts.planes import across_axis, is_still, meshes, slip_velocity
 from harness.engines.protocol import Support
 from harness.scene.effects import effects_on
 from harness.scene.system import INERTIA_FACTOR, Loaded, System, Wall
@@ -44,7 +45,7 @@ def _known(effect: str) -> Support:
 
 def _inertia(system: System) -> list[Support]:
     """Nothing is wrong with moments of inertia when nothing turns the particles."""
-    if system.sliding is None:
+    if not rotates(system):
         return []
     factors = np.unique(system.particles.inertia_factor)
     able = [INERTIA_FACTOR["sphere"]] + ([INERTIA_FACTOR["disc"]] if system.dimension == 2 else [])
@@ -57,15 +58,13 @@ def _inertia(system: System) -> list[Support]:
 
 def _narrow_period(system: System) -> list[Support]:
     """Springs are kept by the partner's id, so a pair may touch through one image only."""
-    widest = 4.0 * float(system.particles.radius.max())
-    narrow = [axis for a, axis in enumerate("xyz") if is_periodic(system, a) and system.periodic[a] <= widest]
+    narrow = narrow_axes(system)
     note = f"period along {', '.join(narrow)} up to two diameters: a pair could touch through two images"
     return [Support(effect="periodic axes", level="unsupported", note=note)] if narrow else []
 
 
 def _crossing_walls(system: System) -> list[Support]:
-    crossing = [w.name for w in system.walls
-                if any(n and is_periodic(system, a) for a, n in enumerate(w.normal))]
+    crossing = [w.name for w in crossing_walls(system)]
     note = f"{', '.join(crossing)}: a plane across a periodic axis, seen by one image of a particle only"
     return [Support(effect="walls", level="unsupported", note=note)] if crossing else []
 

@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from harness.engines.facts import is_rough
 from harness.engines.liggghts.law import model_words, setting_words, wall_type
-from harness.engines.liggghts.planes import across_axis, is_rough, is_still, meshes, primitives, slip_velocity, space
+from harness.engines.liggghts.planes import across_axis, is_still, meshes, primitives, slip_velocity, space
 from harness.engines.text import number
 from harness.scene.system import System, Wall
 

@@ -20,7 +20,7 @@ from postproc.trajectory import Trajectory
 
 @dataclass(frozen=True, kw_only=True)
 class BiaxialCurves:
-    """Arrays of one length S, one entry a sample; SI units, stresses in N/m."""
+    """Arrays of one length S, one entry a sample; SI units, stresses in N/m, forces > 0 in compression."""
 
     step: np.ndarray
     time: np.ndarray
@@ -44,13 +44,15 @@ class BiaxialCurves:
 
     @property
     def ratio(self) -> np.ndarray:
-        """sigma_zz / sigma_xx of measured stresses."""
-        return self.stress_zz / self.stress_xx
+        """sigma_zz / sigma_xx of measured stresses; NaN without a side stress."""
+        nothing = np.full_like(self.stress_zz, np.nan)
+        return np.divide(self.stress_zz, self.stress_xx, out=nothing, where=self.stress_xx != 0)
 
     @property
     def friction_angle(self) -> np.ndarray:
-        """Secant friction angle in degrees."""
-        return np.degrees(np.arcsin((self.ratio - 1.0) / (self.ratio + 1.0)))
+        """Secant friction angle in degrees; NaN where a stress pulls, as no angle has such a sine."""
+        sine = (self.ratio - 1.0) / (self.ratio + 1.0)
+        return np.degrees(np.arcsin(np.where(self.ratio >= 0, sine, np.nan)))
 
     @property
     def volume_strain(self) -> np.ndarray:
@@ -64,12 +66,15 @@ class BiaxialCurves:
 
     @property
     def peak(self) -> int:
-        """Sample of the largest stress ratio."""
+        """Sample of the largest stress ratio (of the first that is no number, if there is one)."""
         return int(np.argmax(self.ratio))
 
     def upto(self, strain: float) -> np.ndarray:
-        """Return a mask of the samples with 0 < eps <= strain; the start is the same by construction."""
-        return (self.strain <= strain * (1.0 + 1e-12)) & (self.step > 0)
+        """Return a mask of the samples with eps <= strain but for step 0, the same by construction.
+
+        A strain that is no number is inside, so that a check over the mask meets it.
+        """
+        return ~(self.strain > strain * (1.0 + 1e-12)) & (self.step > 0)
 
 
 def biaxial_curves(trajectory: Trajectory, system: System) -> BiaxialCurves:

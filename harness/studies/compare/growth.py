@@ -1,12 +1,16 @@
-"""How two runs from identical data part: rms difference of positions, frame by frame."""
+"""How two runs from identical data part, frame by frame and over the whole trajectory."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from postproc.trajectory import Trajectory
+
+Lengths = Sequence[float] | None
+"""Lengths of the periodic axes in m, 0 for open ones; None when no axis is periodic."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -16,24 +20,63 @@ class Growth:
     time: np.ndarray
     difference: np.ndarray
 
-    def parted(self, level: float) -> float | None:
-        """Return the first time at which the difference exceeds `level`, None if it never does."""
-        beyond = np.flatnonzero(~(self.difference <= level))
-        return float(self.time[beyond[0]]) if beyond.size else None
 
-
-def difference_growth(a: Trajectory, b: Trajectory) -> Growth:
-    """Compare two trajectories of the same system, particle by particle.
+def difference_growth(a: Trajectory, b: Trajectory, periodic: Lengths = None) -> Growth:
+    """Compare two trajectories of the same system, particle by particle, by their nearest images.
 
     Raises ValueError when their frames are not of the same steps: then there is nothing to compare.
     """
+    _require_same_steps(a, b)
+    apart = nearest_image(_places(a) - _places(b), periodic)
+    diameter = 2.0 * float(a.frames[0].particles["radius"].mean())
+    rms = np.sqrt((apart**2).sum(axis=2).mean(axis=1)) / diameter
+    return Growth(time=np.array([f.time for f in a]), difference=rms)
+
+
+def displacement_deviation(a: Trajectory, b: Trajectory, periodic: Lengths = None) -> float | None:
+    """Return max |x_a - x_b| over the largest displacement since the start; None if nothing moves.
+
+    Relative to a coordinate far from the origin any two paths would agree, hence displacements. An
+    engine may fold particles back into a periodic box at another step: images are taken as nearest.
+    Raises ValueError when the frames are not of the same steps.
+    """
+    _require_same_steps(a, b)
+    left, right = _places(a), _places(b)
+    moved = [nearest_image(x - x[0], periodic) for x in (left, right)]
+    return _relative(nearest_image(left - right, periodic), *moved)
+
+
+def column_deviation(a: Trajectory, b: Trajectory, columns: Sequence[str]) -> float | None:
+    """Return max |a - b| / max(|a|, |b|) over frames, particles and columns; None if all is zero.
+
+    Columns that there are not, such as vz in 2D, are left out. Raises ValueError when the frames are
+    not of the same steps.
+    """
+    _require_same_steps(a, b)
+    present = [c for c in columns if c in a.frames[0].particles]
+    left, right = (np.array([[f.particles[c] for c in present] for f in t]) for t in (a, b))
+    return _relative(left - right, left, right)
+
+
+def nearest_image(apart: np.ndarray, periodic: Lengths) -> np.ndarray:
+    """Return differences of places (..., dim) with whole periods taken out, within half a period of 0."""
+    if periodic is None:
+        return apart
+    box = np.asarray(periodic, dtype=float)
+    return apart - box * np.round(apart / np.where(box > 0, box, np.inf))
+
+
+def _places(trajectory: Trajectory) -> np.ndarray:
+    """Return the centres, (F, N, dim)."""
+    return np.array([f.particles.vector(*f.axes) for f in trajectory])
+
+
+def _require_same_steps(a: Trajectory, b: Trajectory) -> None:
     if a.steps != b.steps:
         raise ValueError(f"frames at different steps: {a.steps[:3]}... and {b.steps[:3]}...")
-    axes = a.frames[0].axes
-    diameter = 2.0 * float(a.frames[0].particles["radius"].mean())
-    rms = [_rms(p.particles, q.particles, axes) / diameter for p, q in zip(a, b, strict=True)]
-    return Growth(time=np.array([f.time for f in a]), difference=np.array(rms))
 
 
-def _rms(p, q, axes) -> float:
-    return float(np.sqrt(sum(np.mean((p[c] - q[c]) ** 2) for c in axes)))
+def _relative(difference: np.ndarray, *sizes: np.ndarray) -> float | None:
+    """Return max |difference| / max |sizes|, NaN if there is one among them, None if all is zero."""
+    size = np.max([np.abs(s).max(initial=0.0) for s in sizes])
+    return None if size == 0.0 else float(np.abs(difference).max(initial=0.0) / size)

@@ -1,38 +1,63 @@
-"""Which runs are put beside each other, and as what.
-
-`same_conventions`: an engine and the kernel computing in that engine's conventions: they must agree
-to round-off until chaos. `codes`: two independent codes, each with its own conventions. Without
-tangential forces the conventions do not differ, and one kernel is the partner of all.
-"""
+"""Which runs are put beside each other, and as what."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from typing import Literal, TypeVar
 
-KERNEL_PREFIX = "kernel:"
+from harness.engines.registry import KERNEL_PREFIX
+
+T = TypeVar("T")
+
+Kind = Literal["same_conventions", "codes", "other_conventions"]
+"""same_conventions: an engine and the kernel computing in that engine's conventions; they agree to
+round-off until chaos. codes: two independent codes, each with its own conventions.
+other_conventions: an engine and the kernel in conventions of somebody else; shown, nothing is declared
+for them."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Pair:
-    """Two engines by name; `kind` is "same_conventions" or "codes"."""
+    """Two engines by name."""
 
     left: str
     right: str
-    kind: str
+    kind: Kind
+
+    @property
+    def name(self) -> str:
+        """What figures and tables call it."""
+        return f"{self.left} - {self.right}"
+
+    def missing(self, done: Mapping[str, object]) -> str:
+        """Say which of the two has no completed run, "" if both have."""
+        absent = [e for e in (self.left, self.right) if e not in done]
+        return f"no completed run of {' and '.join(absent)}" if absent else ""
+
+    def both(self, done: Mapping[str, Mapping[int, T]]) -> dict[int, tuple[T, T]]:
+        """Return what the two have, by packing, for the packings that both completed."""
+        left, right = done.get(self.left, {}), done.get(self.right, {})
+        return {number: (left[number], right[number]) for number in left if number in right}
 
 
-def pairs_of(engines: list[str]) -> list[Pair]:
-    """Return the pairs that mean something, engines in the order given."""
+def pairs_of(engines: Sequence[str], *, friction: bool) -> list[Pair]:
+    """Return the pairs that mean something, engines in the order given.
+
+    friction: whether there are tangential forces; without them the conventions do not differ, and
+    any kernel is the partner of every code.
+    """
     codes = [e for e in engines if not e.startswith(KERNEL_PREFIX)]
     kernels = [e for e in engines if e.startswith(KERNEL_PREFIX)]
-    found = [Pair(left=c, right=k, kind="same_conventions") for c in codes if (k := partner(c, kernels))]
-    return found + [Pair(left=a, right=b, kind="codes") for a, b in combinations(codes, 2)]
+    beside = [Pair(left=c, right=k, kind=_kind(c, k, friction)) for c in codes for k in _partners(c, kernels)]
+    return beside + [Pair(left=a, right=b, kind="codes") for a, b in combinations(codes, 2)]
 
 
-def partner(code: str, kernels: list[str]) -> str | None:
-    """Return the kernel in this code's conventions; the only kernel there is where they coincide."""
+def _partners(code: str, kernels: list[str]) -> list[str]:
     own = KERNEL_PREFIX + code
-    if own in kernels:
-        return own
-    return kernels[0] if kernels == [KERNEL_PREFIX + "talk"] else None
+    return [own] if own in kernels else kernels
+
+
+def _kind(code: str, kernel: str, friction: bool) -> Kind:
+    return "same_conventions" if not friction or kernel == KERNEL_PREFIX + code else "other_conventions"

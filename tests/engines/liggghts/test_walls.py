@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from harness.engines.liggghts import LIGGGHTS
 from harness.scene.system import Constant, Cosine, Loaded
 
 pytestmark = pytest.mark.needs_liggghts
@@ -46,6 +47,17 @@ def test_loaded_lid_presses_a_disc(make, matches, plane, rough):
     walls = [plane(1, "floor", (0, 0), (0, 1), rough), plane(2, "lid", (0, 0.95), (0.1, -1), rough, LID)]
     matches(make(x=[[0, 0.45]], v=[[0.5, 0]], gravity=(0.0, -3.0), walls=walls,
                  sliding=FRICTION if rough else None))
+
+
+def test_nothing_touches_the_atom_that_keeps_a_walls_state(make, plane, deck, agrees, reference):
+    """It is parked far away; here it stands in the way of a disc."""
+    system = make(x=[[0.0, 0.0]], v=[[1.0, 0.0]], walls=[plane(1, "lid", (0, 3), (0, -1), False, LID)])
+    folder = deck(system)
+    data = (folder / "packing.data").read_text()
+    row = next(line for line in data.splitlines() if line.startswith("2 1 "))
+    (folder / "packing.data").write_text(data.replace(row, " ".join([*row.split()[:4], "0.7 0.1 0"])))
+    assert LIGGGHTS.run(folder, time_limit=20).status == "completed"
+    agrees(LIGGGHTS.read(folder, system), system, reference(system), 1e-12)
 
 
 def test_two_loaded_walls_squeeze_a_disc(make, matches, plane):

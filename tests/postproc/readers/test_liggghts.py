@@ -25,6 +25,7 @@ ITEM: ATOMS id x y vx vy omegaz radius mass {columns}
 2 0.95 0.6 0 0 -1 0.5 4 0 0 0 0
 """
 WALL = "f_force_floor_plane[1] f_force_floor_plane[2] f_history_floor_plane[1] f_history_floor_plane[2]"
+ENTRIES = " ".join(f"c_pairs[{k}]" for k in range(1, 11))
 PAIR = """ITEM: TIMESTEP
 {step}
 ITEM: NUMBER OF ENTRIES
@@ -33,7 +34,7 @@ ITEM: BOX BOUNDS ff ff pp
 -9 9
 -9 9
 -9 9
-ITEM: ENTRIES c_pairs[1] c_pairs[2] c_pairs[3] c_pairs[4] c_pairs[5] c_pairs[6] c_pairs[7] c_pairs[8] c_pairs[9] c_pairs[10]
+ITEM: ENTRIES {columns}
 2 1 0 8 2 0 0.01 -0.02 0 {overlap}
 1 2 0 0 0 0 0 0 0 -0.5
 """
@@ -46,7 +47,7 @@ def _folder(tmp_path):
     overlap = f"{1 - np.hypot(0.95, 0.15):.17g}"
     (tmp_path / PARTICLES).write_text(
         "".join(ATOMS.format(step=s, columns=WALL, one="-1.25 2.25 0.003 0") for s in (0, 10)))
-    (tmp_path / CONTACTS).write_text("".join(PAIR.format(step=s, overlap=overlap) for s in (0, 10)))
+    (tmp_path / CONTACTS).write_text("".join(PAIR.format(step=s, columns=ENTRIES, overlap=overlap) for s in (0, 10)))
     return tmp_path
 
 

@@ -49,10 +49,11 @@ def cluster(seed, dim, *, across=3, speed=1.0, squeeze=1.0, **options) -> Model:
     rng = np.random.default_rng(seed)
     places = 2.0 * squeeze * np.stack(np.meshgrid(*[np.arange(across)] * dim), -1).reshape(-1, dim).astype(float)
     count = len(places)
-    given = dict(
-        x=places + rng.uniform(-0.05, 0.05, places.shape) + 1.0, radius=rng.uniform(0.8, 1.2, count),
-        mass=rng.uniform(0.5, 2.0, count), v=speed * rng.normal(size=places.shape),
-        spin=speed * rng.normal(size=(count, 1 if dim == 2 else 3)))
+    given = {
+        "x": places + rng.uniform(-0.05, 0.05, places.shape) + 1.0, "radius": rng.uniform(0.8, 1.2, count),
+        "mass": rng.uniform(0.5, 2.0, count), "v": speed * rng.normal(size=places.shape),
+        "spin": speed * rng.normal(size=(count, 1 if dim == 2 else 3)),
+    }
     return model(**(given | options))
 
 
@@ -83,8 +84,8 @@ def frozen_bytes(simulation) -> bytes:
 def energy(simulation) -> float:
     """Kinetic, rotational and elastic (normal springs)."""
     s, m = simulation.state, simulation.model
-    p = slice(0, m.particle_count)
-    moving = 0.5 * (m.mass * (s.v[:, p] ** 2).sum(axis=0)).sum() + 0.5 * (m.inertia * (s.spin[:, p] ** 2).sum(axis=0)).sum()
+    v, spin = s.v[:, : m.particle_count], s.spin[:, : m.particle_count]
+    moving = 0.5 * (m.mass * v**2).sum() + 0.5 * (m.inertia * spin**2).sum()
     return moving + sum(m.normal.energy(f.contact.overlap).sum() for _, f in simulation.contacts())
 
 
@@ -281,7 +282,8 @@ class PlainDem:
         overlap = self.m.radius[i] - inner(add(self.x[i], self.wall_x[k], -1), n)
         if overlap <= 0:
             return
-        force = self.contact((i, -1 - k), n, overlap, add(self.v[i], self.wall_v[k], -1), c.wall_slip_arm, springs, advance)
+        v = add(self.v[i], self.wall_v[k], -1)
+        force = self.contact((i, -1 - k), n, overlap, v, c.wall_slip_arm, springs, advance)
         self.force[i], self.wall_force[k] = add(self.force[i], force), add(self.wall_force[k], force, -1)
         if self.m.walls[k].friction:
             self.torque[i] = add(self.torque[i], cross(n, force), -self.arm(i, overlap, c.wall_torque_arm))

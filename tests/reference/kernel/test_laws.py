@@ -98,7 +98,7 @@ def _contact(dim, xi, axis, v, f_n):
 def _clear(xi, n, v_t, f_n, mu, gt):
     """Leave out what round-off decides: springs along the normal, forces on the Coulomb limit."""
     tangent = np.array(xi) - np.dot(xi, n) * np.array(n)
-    if 0 < np.linalg.norm(xi) and np.linalg.norm(tangent) < 1e-3 * np.linalg.norm(xi):
+    if any(xi) and np.linalg.norm(tangent) < 1e-3 * np.linalg.norm(xi):
         return False
     turned = tangent * np.linalg.norm(xi) / (np.linalg.norm(tangent) or 1)
     v_t = np.array(v_t)

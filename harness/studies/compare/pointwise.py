@@ -1,0 +1,93 @@
+"""Two runs of a biaxial box from one packing, sample by sample, until chaos parts them (level L2).
+
+A run that is missing gives `not_checked`. With several packings the worst one counts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from harness.scene.model import Window
+from harness.studies.compare.curves import BiaxialCurves
+from harness.studies.compare.pairs import Pair
+from harness.studies.verdict import Check, Rerun, judged, not_checked
+
+PARTED = 1e-2
+"""Relative difference of the top-wall force at which two runs no longer follow each other."""
+
+Curves = Mapping[str, Mapping[int, BiaxialCurves]]
+"""Curves by engine and packing."""
+
+
+def force_deviation(a: BiaxialCurves, b: BiaxialCurves) -> np.ndarray:
+    """Return |F_a - F_b| / max(|F_a|, |F_b|) of the top wall, sample by sample, (S,).
+
+    0 where both forces are 0, NaN where one is NaN. Raises ValueError for samples of different steps.
+    """
+    if not np.array_equal(a.step, b.step):
+        raise ValueError("samples of different steps")
+    difference = np.abs(a.force_top - b.force_top)
+    size = np.maximum(np.abs(a.force_top), np.abs(b.force_top))
+    return np.divide(difference, size, out=np.zeros_like(size), where=size != 0)
+
+
+def window_checks(pairs: Sequence[Pair], windows: Sequence[Window], curves: Curves, rerun: Rerun) -> list[Check]:
+    """Top-wall force, pointwise, for every pair of the kind that a window declares."""
+    return [c for w in windows for c in _window_checks(w, [p for p in pairs if p.kind == w.pairs], curves, rerun)]
+
+
+def _window_checks(window: Window, pairs: Sequence[Pair], curves: Curves, rerun: Rerun) -> list[Check]:
+    facts = {
+        "level": "L2", "tolerance": window.tolerance,
+        "quantity": f"top-wall force up to {100 * window.strain:g} % strain",
+    }
+    if not pairs:
+        why = f"declared for {window.pairs}, and no two of the engines are such a pair"
+        return [not_checked(**facts, left="-", right="-", why=why)]
+    return [_window_check(p, window.strain, curves, rerun(p.left, p.right), facts) for p in pairs]
+
+
+def _window_check(pair: Pair, strain: float, curves: Curves, rerun: str, facts: dict) -> Check:
+    facts = {**facts, "left": pair.left, "right": pair.right}
+    both = pair.both(curves)
+    if not both:
+        return not_checked(**facts, why=pair.missing(curves) or "no packing that both completed")
+    inside = [force_deviation(a, b)[a.upto(strain) | b.upto(strain)] for a, b in both.values()]
+    if not all(d.size for d in inside):
+        return not_checked(**facts, why="no sample lies in this range")
+    samples = np.concatenate(inside)
+    return judged(**facts, deviation=float(samples.max()), why=f"largest of {samples.size} samples{_of(both)}",
+                  rerun=rerun)
+
+
+def parting_checks(pairs: Sequence[Pair], curves: Curves, rerun: Rerun) -> list[Check]:
+    """Where pointwise agreement ended, for every pair of which both completed."""
+    return [_parting_check(p, both, rerun(p.left, p.right)) for p in pairs if (both := p.both(curves))]
+
+
+def _parting_check(pair: Pair, both: Mapping[int, tuple[BiaxialCurves, BiaxialCurves]], rerun: str) -> Check:
+    """Judge the whole test: chaos excuses runs that part on the way, but not at the first sample."""
+    facts = {"level": "L2", "quantity": "top-wall force, whole test", "left": pair.left, "right": pair.right}
+    deviations = [force_deviation(a, b) for a, b in both.values()]
+    worst = float(np.max([d.max() for d in deviations]))
+    followed = [_followed(d) for d in deviations]
+    if all(n == len(d) for n, d in zip(followed, deviations, strict=True)):
+        return judged(**facts, deviation=worst, tolerance=PARTED, rerun=rerun, why=f"at all times{_of(both)}")
+    if min(followed) == 0:
+        why = "apart at step 0 already, where all start from the same numbers"
+        return judged(**facts, deviation=worst, tolerance=PARTED, rerun=rerun, why=why)
+    strains = (100 * a.strain[n - 1] for n, (a, _) in zip(followed, both.values(), strict=True))
+    why = f"followed each other within {PARTED:.0%} up to {min(strains):.3g} % strain; then only replicates can tell"
+    return Check(**facts, deviation=worst, tolerance=PARTED, verdict="inconclusive", why=why)
+
+
+def _followed(deviation: np.ndarray) -> int:
+    """Return the number of samples before the first that is not within `PARTED`."""
+    apart = np.flatnonzero(~(deviation <= PARTED))
+    return int(apart[0]) if apart.size else len(deviation)
+
+
+def _of(both: Mapping[int, object]) -> str:
+    return f" of {len(both)} packings" if len(both) > 1 else ""
