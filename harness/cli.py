@@ -7,11 +7,16 @@ Imports are local, so that `grainproof --help` answers at once.
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from pathlib import Path
+from typing import NoReturn
 
 from harness import __version__
 from harness.errors import InputError
+
+LONGEST_LIMIT = 1e8
+"""Seconds, three years: beyond, a time limit is a slip, and timers overflow."""
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -21,27 +26,46 @@ def main(arguments: list[str] | None = None) -> int:
         return _average(words[1:])
     options = parser().parse_args(words)
     try:
+        _check_places(options)
         return options.run(options)
     except InputError as error:
-        print(f"grainproof: {error}", file=sys.stderr)
+        _complain(error)
         return 2
     except KeyboardInterrupt:
         print("grainproof: interrupted; finished runs are kept, the same command goes on from here", file=sys.stderr)
         return 130
-    except BrokenPipeError:
-        sys.stderr.close()
+    except BrokenPipeError:  # the reader has seen enough; the interpreter must not write to it again
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
+    except OSError as error:
+        _complain(error)
+        return 1
+
+
+def _complain(error: Exception) -> None:
+    """Print one line that a terminal cannot be harmed by, whatever the user's words were."""
+    from harness.scene.fault import printable
+
+    print(f"grainproof: {printable(str(error))}", file=sys.stderr)
+
+
+class OneLineParser(argparse.ArgumentParser):
+    """A parser that reports a wrong command in one line and exits with status 2."""
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong and how to learn more."""
+        self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
 
 
 def parser() -> argparse.ArgumentParser:
     """Return the command line's parser; every verb names the function that runs it."""
-    top = argparse.ArgumentParser(
+    top = OneLineParser(
         prog="grainproof", description="Do two DEM codes agree? One scene, every code, one page.",
         epilog="Exit status: 0 done and as declared, 1 a check differs or a run failed, 2 the input is wrong.",
     )
     top.add_argument("--version", action="version", version=f"grainproof {__version__}")
     verbs = top.add_subparsers(title="commands", required=True, metavar="COMMAND")
-    _add(verbs, "engines", _engines, "what is installed, versions, support table")
+    _add(verbs, "engines", _engines, "what is installed, versions, support table, known limits")
     _scene_verb(verbs)
     _decks_verb(verbs)
     _run_verb(verbs)
@@ -53,7 +77,7 @@ def parser() -> argparse.ArgumentParser:
 def _add(verbs, name: str, run, text: str) -> argparse.ArgumentParser:
     verb = verbs.add_parser(name, help=text, description=text[0].upper() + text[1:] + ".")
     verb.add_argument("--json", metavar="FILE", help="also write the result as JSON; - for standard output")
-    verb.set_defaults(run=run)
+    verb.set_defaults(run=run, out=None)
     return verb
 
 
@@ -64,9 +88,9 @@ def _scene_verb(verbs) -> None:
 
 def _decks_verb(verbs) -> None:
     verb = _add(verbs, "decks", _decks, "rewrite or verify the committed decks")
-    verb.add_argument("files", type=Path, nargs="*", metavar="FILE", help="scene files; all shipped scenes unless given")
+    verb.add_argument("files", type=Path, nargs="*", metavar="FILE", help="scene files; default: all shipped scenes")
     verb.add_argument("--check", action="store_true", help="change nothing; exit 1 when a deck is stale")
-    verb.add_argument("--out", type=Path, metavar="DIR", help="where decks are written; inputs/decks unless given")
+    verb.add_argument("--out", type=Path, metavar="DIR", help="where decks are written; default: inputs/decks")
 
 
 def _run_verb(verbs) -> None:
@@ -80,27 +104,29 @@ def _compare_verb(verbs) -> None:
     verb = _add(verbs, "compare", _compare, "all engines, same packings, verdicts and report")
     verb.add_argument("file", type=Path, metavar="FILE")
     verb.add_argument("--engines", default="lammps,liggghts,kernel", metavar="A,B", help="default: %(default)s")
-    verb.add_argument("--packings", type=_positive, metavar="N", help="random packings; the scene's number unless given")
-    verb.add_argument("--workers", type=_positive, metavar="N", help="runs at a time; the number of cores unless given")
+    verb.add_argument("--packings", type=_count, metavar="N", help="random packings; default: as the scene says")
+    verb.add_argument("--workers", type=_count, metavar="N", help="runs at a time; default: the number of cores")
     _add_run_options(verb)
 
 
 def _add_run_options(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("--out", type=Path, default=Path("out"), metavar="DIR", help="results and runs; default: out")
-    verb.add_argument("--time-limit", type=_seconds, default=3600.0, metavar="S", help="per run, default: %(default)g s")
+    verb.add_argument("--time-limit", type=_seconds, default=3600.0, metavar="S", help="per run; default: %(default)g")
 
 
-def _positive(word: str) -> int:
-    value = int(word)
-    if value < 1:
-        raise argparse.ArgumentTypeError(f"expected a whole number > 0, got {word}")
-    return value
+def _count(word: str) -> int:
+    if not (word.isascii() and word.isdigit() and 0 < len(word) < 10 and int(word) > 0):
+        raise argparse.ArgumentTypeError(f"expected a whole number > 0, got {word!r}")
+    return int(word)
 
 
 def _seconds(word: str) -> float:
-    value = float(word)
-    if not 0.0 < value < float("inf"):
-        raise argparse.ArgumentTypeError(f"expected seconds > 0, got {word}")
+    try:
+        value = float(word)
+    except ValueError:
+        value = float("nan")
+    if not 0.0 < value <= LONGEST_LIMIT:
+        raise argparse.ArgumentTypeError(f"expected seconds > 0 and <= {LONGEST_LIMIT:g}, got {word!r}")
     return value
 
 
@@ -108,60 +134,60 @@ def _seconds(word: str) -> float:
 
 
 def _engines(options) -> int:
-    from harness.report.engines import engine_rows, support_rows
+    from harness.report.engines import engines_answer
 
-    tables = {"engines": engine_rows(), "support": support_rows()}
-    return _show(tables, {"engines": "Engines", "support": "What each engine does with each effect"}, options)
+    return _show(engines_answer(), options)
 
 
 def _scene(options) -> int:
-    from harness.report.scene import scene_tables
+    from harness.report.scene import scene_answer
 
-    tables, titles = scene_tables(options.file)
-    return _show(tables, titles, options)
+    return _show(scene_answer(options.file), options)
 
 
 def _decks(options) -> int:
-    from harness.studies.decks import check_decks, default_decks_folder, shipped_scenes, write_decks
+    from harness.report.tables import Answer
+    from harness.studies.decks import check_decks, default_decks_folder, rendered_decks, shipped_scenes, write_decks
 
-    files = options.files or shipped_scenes()
-    folder = options.out or default_decks_folder()
-    rows = check_decks(files, folder) if options.check else write_decks(files, folder)
-    _show({"decks": rows}, {"decks": f"Decks below {folder}"}, options)
+    ours = options.out is None
+    folder = default_decks_folder() if ours else options.out
+    decks, whole = rendered_decks(options.files or shipped_scenes()), ours and not options.files
+    if options.check:
+        rows = check_decks(decks, folder, whole=whole)
+    else:
+        rows = write_decks(decks, folder, whole=whole, remove=ours)
+    _show(Answer(tables={f"Decks in {folder}": rows}, data={"decks": rows}), options)
     return 1 if options.check and any(r["state"] != "current" for r in rows) else 0
 
 
 def _run(options) -> int:
     from harness.engines.registry import find_engine
-    from harness.report.run import write_run_tables
+    from harness.report.run import run_answer, write_run_files
     from harness.runs.progress import progress_for
     from harness.studies.single import single_run
 
-    done = single_run(
-        options.file, find_engine(options.engine), _usable(options.out), time_limit=options.time_limit,
-        progress=progress_for(),
-    )
-    tables, titles = write_run_tables(done)
-    _show(tables, titles, options)
+    engine = find_engine(options.engine)
+    done = single_run(options.file, engine, options.out, time_limit=options.time_limit, progress=progress_for)
+    write_run_files(done)
+    _show(run_answer(done), options)
     return 0 if done.outcome.status == "completed" else 1
 
 
 def _compare(options) -> int:
     from harness.engines.registry import choose_engines
-    from harness.report.compare import check_rows, run_rows, write_report
+    from harness.report.compare import compare_answer, summary, write_report
     from harness.runs.progress import progress_for
     from harness.studies.compare import compare
 
     engines = choose_engines([w for w in options.engines.split(",") if w])
     comparison = compare(
-        options.file, engines, _usable(options.out), packings=options.packings, time_limit=options.time_limit,
-        workers=options.workers, progress=progress_for(),
+        options.file, engines, options.out, packings=options.packings, time_limit=options.time_limit,
+        workers=options.workers, progress=progress_for,
     )
     written = write_report(comparison, options.out)
-    tables = {"runs": run_rows(comparison), "checks": check_rows(comparison)}
-    _show(tables, {"runs": "Runs", "checks": "Verdicts"}, options, data=written.data)
+    _show(compare_answer(comparison), options)
     if options.json != "-":
-        print(f"report: {written.page}")
+        print(f"{summary(comparison)}\nreport: {written.page}")
     return comparison.exit_status
 
 
@@ -172,41 +198,35 @@ def _average(words: list[str]) -> int:
     return average(words, prog="grainproof average")
 
 
-def _usable(out: Path) -> Path:
-    """Return the output folder, made if need be; refuse a place that cannot be one."""
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(file="--out", expected="a folder that can be written", got=f"{out}: {error.strerror}") from error
-    return out
+# --- where results go ----------------------------------------------------------------------------
 
 
-def _show(tables: dict, titles: dict, options, data: Path | None = None) -> int:
+def _check_places(options) -> None:
+    """Refuse, before anything runs or is written, places where results cannot go."""
+    if options.out is not None:
+        nearest = next(p for p in (options.out, *options.out.absolute().parents) if os.path.lexists(p))
+        if not nearest.is_dir() or not os.access(nearest, os.W_OK | os.X_OK):
+            raise InputError(file="--out", expected="a folder that can be written", got=options.out)
+    if options.json not in (None, "-"):
+        target = Path(options.json)
+        if target.is_dir() or not target.parent.is_dir() or not os.access(target.parent, os.W_OK | os.X_OK):
+            raise InputError(file="--json", expected="a file in a folder that exists", got=options.json or "nothing")
+
+
+def _show(answer, options) -> int:
     """Print tables for people, or JSON on standard output, or both with the JSON in a file."""
     from harness.report.tables import print_table
+    from harness.runs.atomic import json_text, write_json_atomic
 
+    if options.json == "-":
+        print(json_text(answer.data), end="")
+        return 0
+    for title, rows in answer.tables.items():
+        print_table(rows, title)
+        print()
     if options.json:
-        _write_json(tables, options.json, data)
-    if options.json != "-":
-        for name, rows in tables.items():
-            print_table(rows, titles[name])
-            print()
+        write_json_atomic(Path(options.json), answer.data)
     return 0
-
-
-def _write_json(tables: dict, target: str, data: Path | None) -> None:
-    import json
-
-    from harness.runs.atomic import write_json_atomic
-
-    if target == "-":
-        print(data.read_text() if data else json.dumps(tables, indent=1))
-    elif data:
-        from harness.runs.atomic import write_text_atomic
-
-        write_text_atomic(Path(target), data.read_text())
-    else:
-        write_json_atomic(Path(target), tables)
 
 
 if __name__ == "__main__":

@@ -20,6 +20,8 @@ def choose_engines(words: list[str]) -> tuple[Engine, ...]:
     conventions, so that each code meets its match; alone it computes as the talks do.
     Raises InputError for an unknown name.
     """
+    if not words:
+        raise _unknown("--engines", "nothing")
     chosen: list[Engine] = []
     for word in dict.fromkeys(words):
         if word == "kernel":
@@ -27,14 +29,21 @@ def choose_engines(words: list[str]) -> tuple[Engine, ...]:
         elif word in ENGINES:
             chosen.append(ENGINES[word])
         else:
-            raise InputError(file="--engines", expected=f"names out of {', '.join(['kernel', *ENGINES])}", got=word)
+            raise _unknown("--engines", word)
     return tuple(dict.fromkeys(chosen))
 
 
 def find_engine(name: str) -> Engine:
     """Return one engine by name (`kernel` alone is `kernel:talk`); raises InputError."""
-    (engine,) = choose_engines([name])
-    return engine
+    if name == "kernel":
+        return ENGINES[KERNEL_PREFIX + "talk"]
+    if name not in ENGINES:
+        raise _unknown("--engine", name)
+    return ENGINES[name]
+
+
+def _unknown(option: str, word: str) -> InputError:
+    return InputError(file=option, expected=f"names out of {', '.join(['kernel', *ENGINES])}", got=word or "nothing")
 
 
 def _kernels_for(words: list[str]) -> list[Engine]:

@@ -8,7 +8,8 @@ import numpy as np
 
 from harness.report import figures
 from harness.report.page import Figure, Section
-from harness.studies.compare.biaxial_checks import MACRO, force_deviation
+from harness.studies.compare.macro import MACRO
+from harness.studies.compare.pointwise import force_deviation
 
 if TYPE_CHECKING:
     from harness.studies.compare.study import Comparison, Run
@@ -26,16 +27,15 @@ def tables(comparison: Comparison) -> dict[str, list[dict]]:
 
 
 def sections(comparison: Comparison) -> list[Section]:
-    """The page's sections, without those for which no run completed."""
-    if not comparison.completed:
+    """The page's sections, without those for which no run of the first packing completed."""
+    if not comparison.result.curves:
         return []
     return [
-        Section(heading="Numbers of the whole test", note=MACRO_NOTE, rows=macro_rows(comparison)),
+        Section(heading="Numbers of the whole test", note=MACRO_NOTE, rows=macro_page_rows(comparison)),
         Section(heading="Stress and volume against strain", figures=(_curves(comparison),)),
-        Section(heading="Do the codes agree?", note=DEVIATION_NOTE, rows=deviation_rows(comparison),
-                figures=(_growth(comparison),)),
+        *_agreement(comparison),
         Section(heading="Was it quasi-static?", figures=(_quasistatic(comparison),)),
-        Section(heading="Micro-macro averages", figures=(_states(comparison),)),
+        *_averages(comparison),
         *_pictures(comparison),
     ]
 
@@ -52,21 +52,25 @@ DEVIATION_NOTE = (
 
 
 def macro_rows(comparison: Comparison) -> list[dict]:
-    """One row a quantity, one column an engine: the value, or mean +- spread over packings."""
+    """One row a quantity and engine: mean and standard deviation over packings (None of a single one)."""
     macro = comparison.result.macro
     engines = list(dict.fromkeys(e for e, _ in macro))
     names = [n for n in MACRO if any(n in v for v in macro.values())]
     return [
-        {"quantity": n, "unit": MACRO[n][0], **{e: _mean_and_spread([v[n] for (f, _), v in macro.items() if f == e])
-                                                for e in engines}}
-        for n in names
+        {"quantity": n, "unit": MACRO[n][0], "engine": e, "mean": float(np.mean(values)),
+         "standard deviation": float(np.std(values, ddof=1)) if len(values) > 1 else None, "packings": len(values)}
+        for n in names for e in engines if (values := [v[n] for (f, _), v in macro.items() if f == e])
     ]
 
 
-def _mean_and_spread(values: list[float]) -> str:
-    if len(values) == 1:
-        return f"{values[0]:.4g}"
-    return f"{np.mean(values):.4g} +- {np.std(values, ddof=1):.2g} (n = {len(values)})"
+def macro_page_rows(comparison: Comparison) -> list[dict]:
+    """The same for people: one row a quantity, one column an engine."""
+    rows: dict[str, dict] = {}
+    for r in macro_rows(comparison):
+        row = rows.setdefault(r["quantity"], {"quantity": r["quantity"], "unit": r["unit"]})
+        spread = r["standard deviation"]
+        row[r["engine"]] = f"{r['mean']:.4g}" + ("" if spread is None else f" +- {spread:.2g} (n = {r['packings']})")
+    return list(rows.values())
 
 
 STATIONS = (0.0001, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1)
@@ -75,7 +79,7 @@ STATIONS = (0.0001, 0.0005, 0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1)
 def deviation_rows(comparison: Comparison) -> list[dict]:
     """One row a pair, one column a strain: the largest relative difference of the top force so far."""
     curves = comparison.result.curves
-    pairs = [p for p in comparison.result.pairs if p.left in curves and p.right in curves]
+    pairs = [p for p in comparison.result.pairs if not p.missing(curves)]
     return [{"left": p.left, "right": p.right, **_upto(curves[p.left], curves[p.right])} for p in pairs]
 
 
@@ -116,11 +120,15 @@ def growth_rows(comparison: Comparison) -> list[dict]:
 # --- figures -----------------------------------------------------------------------------------
 
 
+LABELS = {
+    "stress_zz": "σ_zz (N/m)", "friction_angle": "secant friction angle (°)",
+    "volume_strain": "ε_V (compression > 0)",
+}
+
+
 def _curves(comparison: Comparison) -> Figure:
     figure, axes = figures.new_figure(1, 3, width=13, height=3.8)
-    for a, (quantity, label) in zip(axes[0], (
-        ("stress_zz", "σ_zz (N/m)"), ("friction_angle", "secant friction angle (°)"), ("volume_strain", "ε_V (compression > 0)"),
-    ), strict=True):
+    for a, (quantity, label) in zip(axes[0], LABELS.items(), strict=True):
         figures.draw_curves(a, comparison.result.curves, quantity, label)
     axes[0, 0].legend(fontsize=7)
     return Figure(uri=figures.png_uri(figure), caption=(
@@ -129,60 +137,68 @@ def _curves(comparison: Comparison) -> Figure:
     ))
 
 
+def _agreement(comparison: Comparison) -> list[Section]:
+    """Nothing when no pair of engines completed."""
+    if not comparison.result.growth:
+        return []
+    rows, figures_ = deviation_rows(comparison), (_growth(comparison),)
+    return [Section(heading="Do the codes agree?", note=DEVIATION_NOTE, rows=rows, figures=figures_)]
+
+
 def _growth(comparison: Comparison) -> Figure:
     figure, axes = figures.new_figure(1, 2, width=12, height=4)
     figures.draw_growth(axes[0, 0], comparison.result.growth)
-    _draw_force_deviation(axes[0, 1], comparison)
+    figures.draw_force_deviation(axes[0, 1], comparison)
     return Figure(uri=figures.png_uri(figure), caption=(
         "Left: how positions part, from identical numbers at time 0. Right: the same in the force on the top wall; "
         "short horizontal bars are the declared checks (tolerance up to that strain)."
     ))
 
 
-def _draw_force_deviation(axes, comparison: Comparison) -> None:
-    curves = comparison.result.curves
-    for p in comparison.result.pairs:
-        if p.left in curves and p.right in curves:
-            a, b = curves[p.left], curves[p.right]
-            deviation = np.maximum(force_deviation(a, b)[1:], 1e-17)
-            axes.loglog(100 * a.strain[1:], deviation, lw=0.9, label=f"{p.left} - {p.right}")
-    for w in comparison.scene.compare.windows:
-        axes.plot([1e-4, 100 * w.strain], [w.tolerance] * 2, color="#444444", lw=2, alpha=0.6)
-    axes.set_xlim(left=1e-4)
-    axes.set_xlabel("axial strain (%)")
-    axes.set_ylabel("relative difference of top force")
-    axes.grid(alpha=0.3)
-    axes.legend(fontsize=7)
-
-
 def _quasistatic(comparison: Comparison) -> Figure:
-    figure, axes = figures.new_figure(1, 3, width=13, height=3.6)
+    shown = _available(comparison, ("kinetic over elastic energy", "largest residual force"))
+    figure, axes = figures.new_figure(1, 1 + len(shown), width=4.4 * (1 + len(shown)), height=3.6)
     result = comparison.result
     figures.draw_curves(axes[0, 0], result.curves, "control_error", "(F_x - p_x z)/(p_x z) (%)", scale=100.0)
     axes[0, 0].legend(fontsize=7)
-    for a, quantity in zip(axes[0, 1:], ("kinetic over elastic energy", "largest residual force"), strict=True):
-        figures.draw_states(a, result.states, quantity, quantity)
-        a.set_yscale("log")
+    for a, quantity in zip(axes[0, 1:], shown, strict=True):
+        figures.draw_states(a, result.states, quantity)
+        a.set_yscale("log", nonpositive="mask")
     return Figure(uri=figures.png_uri(figure), caption=(
-        "Left: error of the stress-controlled side wall. Middle: kinetic over elastic energy. Right: largest net force "
-        "on a particle over the mean contact force. After the peak the sample deforms in bursts."
+        "Error of the stress-controlled side wall; with recorded contacts also kinetic over elastic energy, and the "
+        "largest net force on a particle over the mean contact force. After the peak the sample deforms in bursts."
     ))
 
 
-def _states(comparison: Comparison) -> Figure:
-    wanted = ("volume fraction, inner", "coordination number", "coordination number without rattlers",
-              "fabric deviator, inner", "friction angle, inner", "sigma_zz from contacts")
-    figure, axes = figures.new_figure(2, 3, width=13, height=6.6)
-    for a, quantity in zip(axes.ravel(), wanted, strict=True):
-        figures.draw_states(a, comparison.result.states, quantity, quantity)
+AVERAGES = (
+    "volume fraction, inner", "coordination number", "coordination number without rattlers",
+    "fabric deviator, inner", "friction angle, inner", "sigma_zz from contacts",
+)
+
+
+def _averages(comparison: Comparison) -> list[Section]:
+    shown = _available(comparison, AVERAGES)
+    if not shown:
+        return []
+    figure, axes = figures.new_figure(-(-len(shown) // 3), 3, width=13, height=3.3 * -(-len(shown) // 3))
+    for a, quantity in zip(axes.ravel(), shown, strict=False):
+        figures.draw_states(a, comparison.result.states, quantity)
+    for a in axes.ravel()[len(shown):]:
+        a.axis("off")
     axes[0, 0].legend(fontsize=7)
-    return Figure(uri=figures.png_uri(figure), caption=(
+    caption = (
         "Averages of the independent post-processor from particles and contacts; \"inner\" leaves out a border layer."
-    ))
+    )
+    return [Section(heading="Micro-macro averages", figures=(Figure(uri=figures.png_uri(figure), caption=caption),))]
+
+
+def _available(comparison: Comparison, quantities: tuple[str, ...]) -> list[str]:
+    """Return the quantities that every engine's frames can give."""
+    return [q for q in quantities if all(q in s.values for s in comparison.result.states.values())]
 
 
 def _pictures(comparison: Comparison) -> list[Section]:
-    """Force chains and rotations at the talk's four strains, one row an engine; what was recorded of them."""
+    """Force chains and rotations near the talk's four strains, one row an engine; what was recorded of them."""
     runs = [r for r in comparison.completed if r.packing == 0]
     system, found = comparison.starts[0].system, []
     if runs and system.contacts:
@@ -192,16 +208,18 @@ def _pictures(comparison: Comparison) -> list[Section]:
     return found
 
 
-def _chosen_frames(run: Run, comparison: Comparison) -> list[int]:
-    strain = comparison.result.states[run.engine].strain
-    return [int(np.argmin(np.abs(strain - s))) for s in SHOWN_STRAINS]
+def _chosen_frames(comparison: Comparison) -> list[int]:
+    """Return the frames nearest to the shown strains, each once; strain is prescribed, the same for all engines."""
+    strain = next(iter(comparison.result.states.values())).strain
+    return list(dict.fromkeys(int(np.argmin(np.abs(strain - s))) for s in SHOWN_STRAINS))
 
 
 def _chains(runs: list[Run], comparison: Comparison) -> Figure:
-    figure, axes = figures.new_figure(len(runs), 4, width=13, height=3.3 * len(runs))
-    width, view = _typical_force(runs[0], _chosen_frames(runs[0], comparison)[-1]), _view(runs)
+    chosen, view = _chosen_frames(comparison), figures.common_view(runs)
+    figure, axes = figures.new_figure(len(runs), len(chosen), width=3.25 * len(chosen), height=3.3 * len(runs))
+    width = figures.typical_force(runs[0].trajectory.frames[chosen[-1]])
     for row, run in zip(axes, runs, strict=True):
-        for a, k in zip(row, _chosen_frames(run, comparison), strict=True):
+        for a, k in zip(row, chosen, strict=True):
             figures.draw_force_chains(a, run.trajectory.frames[k], full_width=width, view=view)
             a.set_title(_panel_title(run, k, comparison), fontsize=8)
     return Figure(uri=figures.png_uri(figure, dpi=90), caption=(
@@ -209,35 +227,23 @@ def _chains(runs: list[Run], comparison: Comparison) -> Figure:
     ))
 
 
-def _view(runs: list[Run]) -> np.ndarray:
-    """Bounds (2, 2) in m that hold the box of every frame shown, with a margin."""
-    boxes = np.array([f.box for r in runs for f in (r.trajectory.frames[0], r.trajectory.frames[-1])])
-    margin = 0.01 * float(np.ptp(boxes))
-    return np.stack([boxes[..., 0].min(axis=0) - margin, boxes[..., 1].max(axis=0) + margin], axis=1)
-
-
-def _typical_force(run: Run, frame: int) -> float:
-    c = run.trajectory.frames[frame].contacts
-    return 4.0 * float(np.hypot(c["fx"], c["fy"]).mean())
-
-
 def _rotations(runs: list[Run], comparison: Comparison) -> Figure:
     """One colour scale a strain: rotations grow a hundredfold, and each picture should show its own."""
-    figure, axes = figures.new_figure(len(runs), 4, width=13, height=3.5 * len(runs))
-    view = _view(runs)
-    for column, picture in enumerate(zip(*(_chosen_frames(r, comparison) for r in runs), strict=True)):
-        values = [np.degrees(r.trajectory.frames[k].particles["rotation"]) for r, k in zip(runs, picture, strict=True)]
+    chosen, view = _chosen_frames(comparison), figures.common_view(runs)
+    figure, axes = figures.new_figure(len(runs), len(chosen), width=3.25 * len(chosen), height=3.5 * len(runs))
+    for column, k in zip(axes.T, chosen, strict=True):
+        values = [np.degrees(r.trajectory.frames[k].particles["rotation"]) for r in runs]
         limit = max(float(np.percentile(np.abs(v), 95)) for v in values) or 1.0
-        for a, run, k, v in zip(axes[:, column], runs, picture, values, strict=True):
+        for a, run, v in zip(column, runs, values, strict=True):
             discs = figures.draw_rotations(a, run.trajectory.frames[k], v, limit=limit, view=view)
             a.set_title(_panel_title(run, k, comparison), fontsize=8)
-        figure.colorbar(discs, ax=axes[:, column], location="bottom", shrink=0.8, aspect=30, label="rotation (°)")
+        figure.colorbar(discs, ax=column, location="bottom", shrink=0.8, aspect=30, label="rotation (°)")
     return Figure(uri=figures.png_uri(figure, dpi=90), caption=ROTATION_CAPTION)
 
 
 ROTATION_CAPTION = (
-    "Rotation of every disc since the start, counter-clockwise positive, one colour scale a strain. The kernel sums its "
-    "spins in every step; the engines average them between frames from samples every few steps."
+    "Rotation of every disc since the start, counter-clockwise positive, one colour scale a strain. The kernel sums "
+    "its spins in every step; the engines average them between frames from samples every few steps."
 )
 
 

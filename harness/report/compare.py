@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from harness.report.page import Section, render_page
-from harness.report.tables import csv_text
+from harness.report.tables import Answer, csv_text
 from harness.scene.model import Biaxial
 
 if TYPE_CHECKING:
-    from harness.studies.compare.study import Comparison
-
+    from harness.studies.compare.study import Comparison, Run
 
 @dataclass(frozen=True, kw_only=True)
 class Written:
@@ -23,23 +23,32 @@ class Written:
     tables: tuple[Path, ...]
 
 
+def compare_answer(comparison: Comparison) -> Answer:
+    """Return runs and verdicts for people, and everything for programs."""
+    tables = {"Runs": run_rows(comparison), "Verdicts": check_rows(comparison)}
+    return Answer(tables=tables, data=report_data(comparison))
+
+
 def write_report(comparison: Comparison, out: Path) -> Written:
-    """Write report.html, report.json and the CSV tables into `out`; each file appears whole or not at all."""
+    """Write report.html, report.json and the CSV tables into `out`; each file appears whole or not at all.
+
+    All hold the same numbers: the page with three digits, the others with all. What the page leaves out
+    is in the others.
+    """
     from harness.runs.atomic import write_json_atomic, write_text_atomic
 
     out.mkdir(parents=True, exist_ok=True)
-    module = _kind(comparison)
-    tables = {"checks": check_rows(comparison), "runs": run_rows(comparison), **module.tables(comparison)}
+    tables = {"checks": check_rows(comparison), "runs": run_rows(comparison), **_kind(comparison).tables(comparison)}
     sections = [
         Section(heading="Verdicts", note=VERDICT_NOTE, rows=tables["checks"]),
         Section(heading="Runs", note=RUN_NOTE, rows=tables["runs"]),
-        *module.sections(comparison),
+        *_kind(comparison).sections(comparison),
         Section(heading="Reproduce", text="\n".join(_reproduce(comparison))),
     ]
-    page = render_page(title=comparison.scene.title, lead=_lead(comparison), sections=sections)
+    page = render_page(title=comparison.scene.title, lead=f"{summary(comparison)}.", sections=sections)
     for name, rows in tables.items():
         write_text_atomic(out / f"{name}.csv", csv_text(rows))
-    write_json_atomic(out / "report.json", report_data(comparison, tables))
+    write_json_atomic(out / "report.json", report_data(comparison))
     write_text_atomic(out / "report.html", page)
     files = tuple(out / f"{name}.csv" for name in tables)
     return Written(page=out / "report.html", data=out / "report.json", tables=files)
@@ -52,7 +61,8 @@ VERDICT_NOTE = (
 )
 RUN_NOTE = (
     "CPU time of the engine's own process, set-up and output included; runs shared this machine, so compare "
-    "times only roughly. An engine that failed or is missing is listed with its reason."
+    "times only roughly. CPU us per step is that time over the steps. An engine that failed or is missing is listed "
+    "with its reason."
 )
 
 
@@ -70,45 +80,47 @@ def run_rows(comparison: Comparison) -> list[dict]:
     return [_run_row(r) for r in comparison.runs]
 
 
-def _run_row(run) -> dict:
+def _run_row(run: Run) -> dict:
     o = run.outcome
-    done = o.status == "completed" and o.cpu_seconds is not None
+    cpu = o.cpu_seconds if o.status == "completed" else None
     return {
         "engine": run.engine, "packing": run.packing + 1, "outcome": o.status, "version": o.engine_version,
-        "particles": o.particles, "steps": o.steps, "CPU s": o.cpu_seconds if done else None,
-        "us per step": 1e6 * o.timings["run"] / o.steps if done and "run" in o.timings else None,
-        "reason": o.reason,
+        "particles": o.particles, "steps": o.steps, "CPU s": cpu,
+        "CPU us per step": None if cpu is None else 1e6 * cpu / o.steps, "reason": o.reason,
     }
 
 
-def report_data(comparison: Comparison, tables: dict[str, list[dict]]) -> dict:
+def report_data(comparison: Comparison) -> dict:
     """Everything in the page's tables as JSON-able data, with the scene and the outcomes in full."""
     import msgspec
 
     return {
-        "scene_file": Path(comparison.scene_file).name,
+        "scene_file": comparison.scene_file.name,
         "scene": msgspec.to_builtins(comparison.scene),
         "exit_status": comparison.exit_status,
+        "summary": summary(comparison),
         "checks": [asdict(c) for c in comparison.checks],
         "runs": [msgspec.to_builtins(r.outcome) for r in comparison.runs],
-        "tables": {k: v for k, v in tables.items() if k not in ("checks", "runs")},
+        "tables": _kind(comparison).tables(comparison),
     }
 
 
-def _lead(comparison: Comparison) -> str:
-    counts: dict[str, int] = {}
-    for c in comparison.checks:
-        counts[c.verdict] = counts.get(c.verdict, 0) + 1
-    said = ", ".join(f"{n} {v.replace('_', ' ')}" for v, n in counts.items()) or "no check could be made"
+def summary(comparison: Comparison) -> str:
+    """Return one line: how large, how many runs, which engines are missing, how many verdicts of each kind."""
+    counts = Counter(c.verdict for c in comparison.checks)
+    verdicts = ", ".join(f"{n} {v.replace('_', ' ')}" for v, n in counts.items()) or "none could be made"
+    failed = {r.engine: r.outcome.status for r in comparison.runs if r.trajectory is None}
+    without = "".join(f", {engine} is {status.replace('_', ' ')}" for engine, status in failed.items())
     system = comparison.starts[0].system
     return (
         f"{len(system.particles)} particles, {system.steps} steps of {system.dt:.4g} s; "
-        f"{len(comparison.completed)} of {len(comparison.runs)} runs completed; checks: {said}."
+        f"{len(comparison.completed)} of {len(comparison.runs)} runs completed{without}; checks: {verdicts}"
     )
 
 
 def _reproduce(comparison: Comparison) -> list[str]:
-    return [f"# {r.engine}, packing {r.packing + 1}\n{r.outcome.reproduce}" for r in comparison.runs if r.outcome.reproduce]
+    made = [r for r in comparison.runs if r.outcome.reproduce]
+    return [f"# {r.engine}, packing {r.packing + 1}\n{r.outcome.reproduce}" for r in made]
 
 
 def _kind(comparison: Comparison):

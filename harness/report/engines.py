@@ -2,11 +2,27 @@
 
 from __future__ import annotations
 
-import numpy as np
-
+from harness.engines.protocol import Support
 from harness.engines.registry import ENGINES
-from harness.scene.model import Background, LinearNormal, SpringSliding
-from harness.scene.system import Constant, Cosine, Loaded, Particles, System, Wall
+from harness.report.asked import hard_cases, ordinary_cases
+from harness.report.tables import Answer
+from harness.scene.effects import EFFECTS
+
+AS_IT_SHOULD = ("exact", "equivalent")
+"""Levels that need no warning."""
+
+Judged = list[tuple[str, Support]]
+"""Judgements with the engine that made them."""
+
+
+def engines_answer() -> Answer:
+    """Return what is installed, the support matrix with its notes, and the known limits."""
+    judged = [(n, s) for n, e in ENGINES.items() for system in ordinary_cases() for s in e.supports(system)]
+    rows = {
+        "engines": engine_rows(), "support": support_rows(judged), "notes": note_rows(judged), "limits": limit_rows(),
+    }
+    titles = ("Engines", "What each engine does with each effect", "How it does it", "Known limits")
+    return Answer(tables=dict(zip(titles, rows.values(), strict=True)), data=rows)
 
 
 def engine_rows() -> list[dict]:
@@ -18,47 +34,34 @@ def engine_rows() -> list[dict]:
     ]
 
 
-def support_rows() -> list[dict]:
-    """One row an engine and effect, for systems that call for everything there is, in 2D and in 3D."""
-    rows = {}
-    for system in (everything(2), everything(3)):
-        for name, engine in ENGINES.items():
-            for s in engine.supports(system):
-                rows.setdefault((s.effect, name, s.level, s.note), []).append(f"{system.dimension}D")
+def support_rows(judged: Judged) -> list[dict]:
+    """One row an effect that scenes can call for, one column an engine: its level, None if it names none."""
+    levels: dict[tuple[str, str], list[str]] = {}
+    for engine, s in judged:
+        levels.setdefault((s.effect, engine), []).append(s.level.replace("_", " "))
     return [
-        {"effect": effect, "engine": name, "in": " ".join(where), "support": level, "note": note}
-        for (effect, name, level, note), where in sorted(rows.items())
+        {"effect": effect, **{e: ", ".join(dict.fromkeys(levels.get((effect, e), []))) or None for e in ENGINES}}
+        for effect in EFFECTS
     ]
 
 
-def everything(dimension: int) -> System:
-    """Return a small system in which every effect is on: what the support table is asked about."""
-    up = (0.0,) * (dimension - 1) + (1.0,)
-    down, across = tuple(-u for u in up), (1.0, *(0.0,) * (dimension - 1))
-    high = tuple(0.02 * u for u in up)
-    zero = (0.0,) * dimension
-    return System(
-        dimension=dimension, particles=_two_bodies(dimension),
-        walls=(
-            Wall(index=1, name="floor", point=zero, normal=up, friction=True),
-            Wall(index=2, name="lid", point=high, normal=down, friction=True,
-                 motion=Loaded(mass=1.0, load=1.0, stress=0.0, span=None, damping=1.0)),
-            Wall(index=3, name="piston", point=zero, normal=across, friction=False,
-                 motion=Cosine(travel=1e-4, duration=1e-2)),
-            Wall(index=4, name="belt", point=tuple(0.02 * a for a in across), normal=tuple(-a for a in across),
-                 friction=True, motion=Constant(velocity=tuple(1e-2 * u for u in up))),
-        ),
-        normal=LinearNormal(normal_stiffness=1e5, normal_damping=0.1, attraction="clipped"),
-        sliding=SpringSliding(shear_friction=0.5, shear_stiffness=2e4, shear_damping=0.025),
-        background=Background(translational_drag=1e-3), gravity=tuple(-9.81 * u for u in up), periodic=None,
-        dt=1e-7, steps=10, sample_every=10, frame_every=10, contacts=True,
-    )
+def note_rows(judged: Judged) -> list[dict]:
+    """One row a distinct note: the engine and the effects it is about."""
+    about: dict[tuple[str, str], list[str]] = {}
+    for engine, s in judged:
+        about.setdefault((engine, s.note), []).append(s.effect)
+    every = {engine: {s.effect for e, s in judged if e == engine} for engine, _ in judged}
+    return [
+        {"engine": e, "effect": "all" if set(of) == every[e] else ", ".join(dict.fromkeys(of)), "note": note}
+        for (e, note), of in about.items()
+    ]
 
 
-def _two_bodies(dimension: int) -> Particles:
-    x = np.full((2, dimension), 5e-3)
-    x[1, 0] += 2.5e-3
-    return Particles(
-        x=x, radius=np.full(2, 1e-3), mass=np.full(2, 1e-5), v=np.zeros((2, dimension)),
-        inertia_factor=np.full(2, 0.5 if dimension == 2 else 0.4), spin=np.zeros((2, 1 if dimension == 2 else 3)),
-    )
+def limit_rows() -> list[dict]:
+    """One row a hard case and an engine that does not compute it as it should."""
+    found = [
+        {"case": case, "engine": name, "support": s.level.replace("_", " "), "note": s.note}
+        for case, system in hard_cases().items() for name, engine in ENGINES.items()
+        for s in engine.supports(system) if s.level not in AS_IT_SHOULD
+    ]
+    return list({tuple(row.values()): row for row in found}.values())

@@ -1,14 +1,20 @@
-"""Figures of the compare report; every function draws on axes that it is given and returns nothing."""
+"""Figures of the compare report: functions that draw on axes which they are given."""
 
 from __future__ import annotations
 
 import base64
 import io
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from postproc.snapshot import Snapshot
+if TYPE_CHECKING:
+    from harness.studies.compare.curves import BiaxialCurves
+    from harness.studies.compare.growth import Growth
+    from harness.studies.compare.states import StateCurves
+    from harness.studies.compare.study import Comparison, Run
+    from postproc.snapshot import Snapshot
 
 COLOURS = {"lammps": "#1b6ca8", "liggghts": "#c8553d", "kernel:lammps": "#3fa34d", "kernel:liggghts": "#8e5ea2",
            "kernel:talk": "#3fa34d"}
@@ -37,7 +43,9 @@ def line_style(engine: str) -> dict:
     return {"color": COLOURS.get(engine, "#555555"), "linestyle": STYLES.get(engine, "-"), "lw": 1.2, "label": engine}
 
 
-def draw_curves(axes, curves: Mapping[str, object], quantity: str, label: str, *, scale: float = 1.0) -> None:
+def draw_curves(
+    axes, curves: Mapping[str, BiaxialCurves], quantity: str, label: str, *, scale: float = 1.0
+) -> None:
     """Draw an attribute of every engine's curves against axial strain in per cent."""
     for engine, c in curves.items():
         axes.plot(100 * c.strain, scale * getattr(c, quantity), **line_style(engine))
@@ -46,17 +54,16 @@ def draw_curves(axes, curves: Mapping[str, object], quantity: str, label: str, *
     axes.grid(alpha=0.3)
 
 
-def draw_states(axes, states: Mapping[str, object], quantity: str, label: str) -> None:
+def draw_states(axes, states: Mapping[str, StateCurves], quantity: str) -> None:
     """Draw a frame average of every engine against axial strain in per cent."""
     for engine, s in states.items():
-        if quantity in s.values:
-            axes.plot(100 * s.strain, s.values[quantity], marker=".", ms=3, **line_style(engine))
+        axes.plot(100 * s.strain, s.values[quantity], marker=".", ms=3, **line_style(engine))
     axes.set_xlabel("axial strain (%)")
-    axes.set_ylabel(label)
+    axes.set_ylabel(quantity)
     axes.grid(alpha=0.3)
 
 
-def draw_growth(axes, growth: Mapping[str, object]) -> None:
+def draw_growth(axes, growth: Mapping[str, Growth]) -> None:
     """Draw rms differences between runs against time, logarithmic; exact zeros cannot be shown."""
     for name, g in growth.items():
         shown = g.difference > 0
@@ -64,6 +71,25 @@ def draw_growth(axes, growth: Mapping[str, object]) -> None:
     axes.set_xlabel("time (ms)")
     axes.set_ylabel("rms |Δx| / mean diameter")
     axes.grid(alpha=0.3, which="both")
+    axes.legend(fontsize=7)
+
+
+def draw_force_deviation(axes, comparison: Comparison) -> None:
+    """Draw every pair's relative difference of the top-wall force, and the declared windows as bars."""
+    from harness.studies.compare.pointwise import force_deviation
+
+    curves = comparison.result.curves
+    for p in comparison.result.pairs:
+        if not p.missing(curves):
+            a, b = curves[p.left], curves[p.right]
+            deviation = np.maximum(force_deviation(a, b)[1:], 1e-17)
+            axes.loglog(100 * a.strain[1:], deviation, lw=0.9, label=p.name)
+    for w in comparison.scene.compare.windows:
+        axes.plot([1e-4, 100 * w.strain], [w.tolerance] * 2, color="#444444", lw=2, alpha=0.6)
+    axes.set_xlim(left=1e-4)
+    axes.set_xlabel("axial strain (%)")
+    axes.set_ylabel("relative difference of top force")
+    axes.grid(alpha=0.3)
     axes.legend(fontsize=7)
 
 
@@ -104,6 +130,19 @@ def contact_lines(frame: Snapshot) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     i, j = c["i"].astype(int) - 1, c["j"].astype(int)
     end = np.where((j > 0)[:, None], centre[np.maximum(j, 1) - 1], c.vector("px", "py"))
     return 1e3 * centre[i], 1e3 * end, np.hypot(c["fx"], c["fy"])
+
+
+def common_view(runs: Sequence[Run]) -> np.ndarray:
+    """Bounds (2, 2) in m that hold the box of every frame shown, with a margin."""
+    boxes = np.array([f.box for r in runs for f in (r.trajectory.frames[0], r.trajectory.frames[-1])])
+    margin = 0.01 * float(np.ptp(boxes))
+    return np.stack([boxes[..., 0].min(axis=0) - margin, boxes[..., 1].max(axis=0) + margin], axis=1)
+
+
+def typical_force(frame: Snapshot) -> float:
+    """Four times the mean contact force, N; 1 N in a frame without contacts, which has no line to draw."""
+    c = frame.contacts
+    return 4.0 * float(np.hypot(c["fx"], c["fy"]).mean()) if c.rows else 1.0
 
 
 def _box_view(axes, frame: Snapshot, view: np.ndarray) -> None:

@@ -63,12 +63,13 @@ def collision_table(engine: str, exits: ExitValues) -> list[dict]:
     """One row a collision, in order of time."""
     return [
         {"engine": engine, "i": c.i, "j": c.j, "begin (s)": c.begin, "contact time (s)": c.duration,
-         "largest overlap (m)": c.largest_overlap, "restitution": c.restitution}
+         "largest overlap (m)": c.largest_overlap, "restitution": c.restitution, "frame spacing (s)": exits.resolution}
         for c in exits.collisions
     ]
 
 
 def _growth(comparison: Comparison) -> list[Section]:
+    """Nothing when no pair of engines completed."""
     if not comparison.result.growth:
         return []
     figure, axes = figures.new_figure(1, 1, width=7, height=4)

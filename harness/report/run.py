@@ -1,38 +1,57 @@
-"""What one run says: its outcome, and for free scenes the trajectory and exit values as CSV."""
+"""What one run says: its outcome, and for free scenes the trajectory and exit values as CSV and JSON."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from harness.report.free import collision_table, exit_table
-from harness.report.tables import csv_text
+from harness.report.tables import Answer, csv_text
 from harness.scene.model import Free
 
 if TYPE_CHECKING:
     from harness.studies.single import SingleRun
 
+TITLES = {"run": "Run", "exits": "Exit values", "collisions": "Collisions"}
+"""What is shown to people; the trajectory is in the files only."""
 
-def write_run_tables(run: SingleRun) -> tuple[dict[str, list[dict]], dict[str, str]]:
-    """Return tables and titles for the terminal; a completed free run leaves CSV files in its folder."""
+
+def run_answer(run: SingleRun) -> Answer:
+    """Return what became of the run; of a completed free one also exit values, collisions, trajectory."""
+    tables = {"run": [run_row(run)]}
+    if run.trajectory is not None and isinstance(run.scene, Free):
+        tables |= free_tables(run)
+    shown = {title: tables[name] for name, title in TITLES.items() if name in tables}
+    return Answer(tables=shown, data=tables)
+
+
+def write_run_files(run: SingleRun) -> None:
+    """Leave exits.csv, collisions.csv and trajectory.csv in the folder of a completed free run."""
+    from harness.runs.atomic import write_text_atomic
+
+    if run.trajectory is not None and isinstance(run.scene, Free):
+        for name, rows in free_tables(run).items():
+            write_text_atomic(run.folder / f"{name}.csv", csv_text(rows))
+
+
+def run_row(run: SingleRun) -> dict:
+    """How the run ended, and where it is if something was run."""
     from harness.runs.outcome import describe_outcome
 
-    tables = {"run": [{"engine": run.engine, "outcome": run.outcome.status, "what": describe_outcome(run.outcome),
-                       "folder": str(run.folder)}]}
-    titles = {"run": "Run"}
-    if run.trajectory is None or not isinstance(run.scene, Free):
-        return tables, titles
-    return tables | _free_tables(run), titles | {"exits": "Exit values", "collisions": "Collisions"}
+    return {
+        "engine": run.engine, "outcome": run.outcome.status, "what": describe_outcome(run.outcome),
+        "folder": str(run.folder) if run.folder.exists() else None,
+    }
 
 
-def _free_tables(run: SingleRun) -> dict[str, list[dict]]:
-    from harness.runs.atomic import write_text_atomic
+def free_tables(run: SingleRun) -> dict[str, list[dict]]:
+    """Rows by table name."""
     from harness.studies.compare.exits import exit_values
 
     exits = exit_values(run.trajectory, run.system)
-    tables = {"exits": exit_table(run.engine, exits, run.system), "collisions": collision_table(run.engine, exits)}
-    for name, rows in (tables | {"trajectory": trajectory_table(run)}).items():
-        write_text_atomic(run.folder / f"{name}.csv", csv_text(rows))
-    return tables
+    return {
+        "exits": exit_table(run.engine, exits, run.system), "collisions": collision_table(run.engine, exits),
+        "trajectory": trajectory_table(run),
+    }
 
 
 def trajectory_table(run: SingleRun) -> list[dict]:

@@ -9,7 +9,8 @@ import numpy as np
 from harness.engines.registry import ENGINES
 from harness.packing.insertion import insert_loose
 from harness.packing.make import Packing
-from harness.scene.explain import explain
+from harness.report.tables import Answer
+from harness.scene.explain import as_json, explain
 from harness.scene.load import load_scene
 from harness.scene.model import Scene
 from harness.scene.resolve import known_system, resolve
@@ -18,13 +19,16 @@ from harness.scene.system import System
 REFUSED = ("unsupported", "known_wrong")
 
 
-def scene_tables(path: Path) -> tuple[dict[str, list[dict]], dict[str, str]]:
-    """Return rows and titles by section; nothing is run and nothing is written. Raises InputError."""
+def scene_answer(path: Path) -> Answer:
+    """Return what a scene file means, by section; nothing is run and nothing is written. Raises InputError."""
     scene = load_scene(path)
     system = known_system(scene, path)
     sections = explain(scene, system, expected_minutes(scene, path, system))
-    tables = {title: [{"name": r.name, "value": r.text, "note": r.note} for r in rows] for title, rows in sections}
-    return tables, {title: title.capitalize() for title in tables}
+    tables = {
+        title.capitalize(): [{"name": r.name, "value": r.text, "note": r.note} for r in rows]
+        for title, rows in sections
+    }
+    return Answer(tables=tables, data=as_json(sections))
 
 
 def expected_minutes(scene: Scene, path: Path, system: System | None) -> dict[str, float]:

@@ -1,10 +1,14 @@
-"""Result tables: on the terminal, as CSV and as JSON, from the same rows."""
+"""Result tables: on the terminal and as CSV, from the same rows."""
 
 from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+Row = Mapping[str, object]
+
 
 COLOURS = {
     "agrees": "green", "differs": "bold red", "inconclusive": "yellow", "not_checked": "magenta",
@@ -12,16 +16,25 @@ COLOURS = {
 }
 
 
-def print_table(rows: list[Mapping[str, object]], title: str) -> None:
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """What a command has to say: tables by title for people, data for programs (see `runs.atomic.json_text`)."""
+
+    tables: Mapping[str, Sequence[Row]]
+    data: object
+
+
+def print_table(rows: Sequence[Row], title: str) -> None:
     """Print rows (same keys in each) as a table; words of verdicts and outcomes are coloured."""
     from rich.console import Console
+    from rich.markup import escape
     from rich.table import Table
 
     console = Console()
     if not console.is_terminal:
         print(plain_table(rows, title))
         return
-    table = Table(title=title, title_justify="left", show_lines=False)
+    table = Table(title=escape(title), title_justify="left", show_lines=False)
     for name in rows[0] if rows else ():
         table.add_column(name, overflow="fold")
     for row in rows:
@@ -29,8 +42,8 @@ def print_table(rows: list[Mapping[str, object]], title: str) -> None:
     console.print(table)
 
 
-def plain_table(rows: list[Mapping[str, object]], title: str) -> str:
-    """Return rows as aligned plain text, one line a row whatever the terminal's width."""
+def plain_table(rows: Sequence[Row], title: str) -> str:
+    """Return rows (same keys in each) as aligned plain text, one line a row whatever the terminal's width."""
     if not rows:
         return f"{title}\n  nothing"
     cells = [list(rows[0]), *([text(v) for v in row.values()] for row in rows)]
@@ -39,14 +52,17 @@ def plain_table(rows: list[Mapping[str, object]], title: str) -> str:
     return "\n".join([title, *lines])
 
 
-def csv_text(rows: Iterable[Mapping[str, object]]) -> str:
-    """Return rows as CSV; numbers with 17 digits, None as an empty field."""
+def csv_text(rows: Iterable[Row]) -> str:
+    """Return rows (same keys in each) as CSV; numbers with all digits, None as an empty field.
+
+    Raises ValueError for rows of different keys.
+    """
     rows = list(rows)
+    if any(row.keys() != rows[0].keys() for row in rows):
+        raise ValueError("rows of one table must have the same columns")
     out = io.StringIO()
     writer = csv.writer(out, lineterminator="\n")
-    if rows:
-        writer.writerow(rows[0])
-        writer.writerows([_exact(v) for v in row.values()] for row in rows)
+    writer.writerows([rows[0], *([_exact(row[name]) for name in rows[0]] for row in rows)] if rows else [])
     return out.getvalue()
 
 
@@ -62,7 +78,7 @@ def text(value: object) -> str:
 def _exact(value: object) -> str:
     if value is None:
         return ""
-    return f"{value:.17g}" if isinstance(value, float) else str(value)
+    return repr(float(value)) if isinstance(value, float) else str(value)
 
 
 def _coloured(word: str) -> str:

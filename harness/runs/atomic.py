@@ -28,12 +28,17 @@ def write_text_atomic(path: Path, text: str) -> None:
 
 
 def write_json_atomic(path: Path, value: Any) -> None:
-    """Write `value` as JSON: NaN (not computed) becomes null, NumPy arrays and scalars their values.
+    """Write `value` as JSON, see `json_text`."""
+    write_text_atomic(path, json_text(value))
+
+
+def json_text(value: Any) -> str:
+    """Return `value` as JSON: NaN (not computed) becomes null, NumPy arrays and scalars their values.
 
     Raises ValueError on an infinite number, which JSON cannot hold and nobody should report,
     TypeError on what is no data.
     """
-    write_text_atomic(path, json.dumps(_plain(value), indent=2, allow_nan=False) + "\n")
+    return json.dumps(_plain(value), indent=2, allow_nan=False) + "\n"
 
 
 def flush_folder(folder: Path) -> None:

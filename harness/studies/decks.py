@@ -1,8 +1,8 @@
 """The committed decks: what every engine is told for the shipped scenes, kept beside the scenes.
 
-`inputs/decks/<scene>/<engine>/` holds each deck file as the engine renders it. A file with more than
-`LARGEST` bytes (the particles of a big packing) is generated data: instead of it there is
-`<file>.sha256`, so that git notices when it changes. The packing is made by elementwise IEEE
+`inputs/decks/<scene>/<engine>/` holds each deck file as the engine renders it, and nothing else. A file
+with more than `LARGEST` bytes (the particles of a big packing) is generated data: instead of it there
+is `<file>.sha256`, so that git notices when it changes. The packing is made by elementwise IEEE
 arithmetic only, so these bytes do not depend on the machine.
 """
 
@@ -10,15 +10,22 @@ from __future__ import annotations
 
 import hashlib
 import tempfile
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from harness.engines.registry import ENGINES
 from harness.errors import InputError
 from harness.scene.load import load_scene
+from harness.scene.resolve import scene_name
 from harness.studies.prepare import prepare
 
 LARGEST = 64_000
 """Bytes; about three hundred particles."""
+
+REFUSED = ("unsupported", "known_wrong")
+
+Decks = Mapping[str, str]
+"""Deck texts by ``<scene>/<engine>/<file>``."""
 
 
 def shipped_scenes() -> list[Path]:
@@ -34,70 +41,82 @@ def default_decks_folder() -> Path:
     return _inputs() / "decks"
 
 
-def write_decks(scenes: list[Path], folder: Path) -> list[dict]:
-    """Rewrite the decks of these scenes; return one row a file: scene, engine, file, state."""
+def rendered_decks(scenes: Sequence[Path]) -> dict[str, str]:
+    """Return what the decks folder must hold for these scenes, for all engines that take them.
+
+    Only a scene's first packing is rendered. Raises InputError for a scene that is wrong, or two scenes
+    of one name, whose decks would overwrite each other.
+    """
+    names = [scene_name(s.stem) for s in scenes]
+    twice = next((s for k, s in enumerate(scenes) if names[k] in names[:k]), None)
+    if twice is not None:
+        raise InputError(file=twice, expected="scenes of different names", got=f"{scene_name(twice.stem)} again")
+    with tempfile.TemporaryDirectory() as cache:
+        return {name: text for s in scenes for name, text in _decks_of(s, Path(cache)).items()}
+
+
+def check_decks(decks: Decks, folder: Path, *, whole: bool) -> list[dict]:
+    """Compare with the disk; return one row a file: scene, file, state.
+
+    States: current, stale, missing, left over (on disk, but nothing that is rendered). whole: look for
+    left-overs in all of `folder`, not only where these scenes have decks.
+    """
+    rows = [(name, _state(folder / name, text)) for name, text in decks.items()]
+    rows += [(name, "left over") for name in _left_over(decks, folder, whole=whole)]
+    return [_row(name, state) for name, state in rows]
+
+
+def write_decks(decks: Decks, folder: Path, *, whole: bool, remove: bool) -> list[dict]:
+    """Write what is not current; return the rows of `check_decks` with what was done as state.
+
+    remove: delete what is left over; only for a folder that holds decks and nothing of the user's.
+    """
     from harness.runs.atomic import write_text_atomic
 
-    rows = []
-    for scene in scenes:
-        rendered = rendered_decks(scene)
-        rows += _states(rendered, folder / scene.stem, words=("current", "written", "written", "removed"))
-        for name, text in rendered.items():
-            path = folder / scene.stem / name
+    rows = check_decks(decks, folder, whole=whole)
+    for row in rows:
+        path = folder / row["scene"] / row["file"]
+        if row["state"] in ("stale", "missing"):
             path.parent.mkdir(parents=True, exist_ok=True)
-            write_text_atomic(path, text)
-        for name in _on_disk(folder / scene.stem) - rendered.keys():
-            (folder / scene.stem / name).unlink()
+            write_text_atomic(path, decks[f"{row['scene']}/{row['file']}"])
+            row["state"] = "written"
+        elif row["state"] == "left over" and remove:
+            path.unlink()
+            row["state"] = "removed"
     return rows
 
 
-def check_decks(scenes: list[Path], folder: Path) -> list[dict]:
-    """Compare without writing; states: current, stale, missing, left over."""
-    words = ("current", "stale", "missing", "left over")
-    return [row for s in scenes for row in _states(rendered_decks(s), folder / s.stem, words=words)]
-
-
-def rendered_decks(scene_file: Path) -> dict[str, str]:
-    """Return what the folder of this scene must hold: text by ``<engine>/<file>``, for all engines.
-
-    An engine that refuses the scene has no deck. Only the scene's first packing is rendered.
-    """
+def _decks_of(scene_file: Path, cache: Path) -> dict[str, str]:
     scene = load_scene(scene_file)
-    with tempfile.TemporaryDirectory() as cache:
-        system = prepare(scene, scene_file, packings=1, cache=Path(cache))[0].system
-    found = {}
-    for engine in ENGINES.values():
-        if any(s.level in ("unsupported", "known_wrong") for s in engine.supports(system)):
-            continue
-        for name, text in engine.render(system).items():
-            kept, content = _kept(name, text)
-            found[f"{engine.name.replace(':', '-')}/{kept}"] = content
-    return found
+    system = prepare(scene, scene_file, packings=1, cache=cache)[0].system
+    able = [e for e in ENGINES.values() if not any(s.level in REFUSED for s in e.supports(system))]
+    folders = {f"{system.scene_name}/{e.name.replace(':', '-')}": e.render(system) for e in able}
+    return dict(_kept(f"{folder}/{name}", text) for folder, deck in folders.items() for name, text in deck.items())
 
 
 def _kept(name: str, text: str) -> tuple[str, str]:
+    """Return the file to be kept: itself, or its hash in the format of sha256sum."""
     data = text.encode()
     if len(data) <= LARGEST:
         return name, text
-    return f"{name}.sha256", f"{hashlib.sha256(data).hexdigest()}  {name}\n"
+    return f"{name}.sha256", f"{hashlib.sha256(data).hexdigest()}  {Path(name).name}\n"
 
 
-def _states(rendered: dict[str, str], folder: Path, *, words: tuple[str, str, str, str]) -> list[dict]:
-    current, changed, missing, extra = words
-
-    def state(name: str, text: str) -> str:
-        path = folder / name
-        if not path.exists():
-            return missing
-        return current if path.read_text(encoding="utf-8") == text else changed
-
-    rows = [(name, state(name, text)) for name, text in rendered.items()]
-    rows += [(name, extra) for name in sorted(_on_disk(folder) - rendered.keys())]
-    return [{"scene": folder.name, "file": name, "state": word} for name, word in rows]
+def _state(path: Path, text: str) -> str:
+    if not path.exists():
+        return "missing"
+    return "current" if path.read_bytes() == text.encode() else "stale"
 
 
-def _on_disk(folder: Path) -> set[str]:
-    return {str(p.relative_to(folder)) for p in folder.rglob("*") if p.is_file()}
+def _left_over(decks: Decks, folder: Path, *, whole: bool) -> list[str]:
+    places = [folder] if whole else sorted({folder.joinpath(*Path(name).parts[:2]) for name in decks})
+    found = {p.relative_to(folder).as_posix() for place in places for p in place.rglob("*") if p.is_file()}
+    return sorted(found - decks.keys())
+
+
+def _row(name: str, state: str) -> dict:
+    scene, _, file = name.partition("/")
+    return {"scene": scene, "file": file, "state": state}
 
 
 def _inputs() -> Path:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,6 +17,7 @@ from harness.studies.prepare import prepare
 
 if TYPE_CHECKING:
     from harness.engines.protocol import Engine
+    from harness.runs.progress import Progress
     from postproc.trajectory import Trajectory
 
 
@@ -31,13 +33,20 @@ class SingleRun:
     trajectory: Trajectory | None
 
 
-def single_run(scene_file: Path, engine: Engine, out: Path, *, time_limit: float, progress=None) -> SingleRun:
-    """Run a scene's first packing on one engine below ``out/runs``. Raises InputError."""
+def single_run(
+    scene_file: Path, engine: Engine, out: Path, *, time_limit: float, progress: Callable[[], Progress] | None = None
+) -> SingleRun:
+    """Run a scene's first packing on one engine below ``out/runs``.
+
+    Raises InputError for a scene that is wrong, before anything is written.
+    """
     from postproc.trajectory import read_trajectory
 
     scene = load_scene(scene_file)
-    system = prepare(scene, scene_file, packings=1, cache=out / "packings")[0].system
-    (done,) = run_many([(engine.name, engine, system)], runs_root(out), time_limit=time_limit, progress=progress)
+    system = prepare(scene, scene_file, packings=1, cache=out / "packings", progress=progress)[0].system
+    (done,) = run_many(
+        [(engine.name, engine, system)], runs_root(out), time_limit=time_limit, progress=progress and progress()
+    )
     completed = done.outcome.status == "completed"
     return SingleRun(
         scene=scene, system=system, engine=engine.name, outcome=done.outcome, folder=done.folder,

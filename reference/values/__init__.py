@@ -15,15 +15,22 @@ A table is one value::
 
 from __future__ import annotations
 
+import math
 import tomllib
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
 
+KINDS = ("analytical", "published", "regression")
+
 
 @dataclass(frozen=True, kw_only=True)
 class Published:
-    """One reference value; `decides` is true only if the number was seen in its source."""
+    """One reference value; raises ValueError for a kind that there is not, or a value that is none or zero.
+
+    Deviations are relative to the value, hence not zero.
+    """
 
     name: str
     quantity: str
@@ -35,15 +42,31 @@ class Published:
     conditions: str
     known_difference: str = ""
 
+    def __post_init__(self) -> None:
+        """Refuse what would make a verdict meaningless."""
+        if self.kind not in KINDS:
+            raise ValueError(f"{self.name}: kind must be one of {', '.join(KINDS)}, got {self.kind!r}")
+        if not math.isfinite(self.value) or self.value == 0.0:
+            raise ValueError(f"{self.name}: value must be finite and not zero, got {self.value!r}")
+
     @property
     def decides(self) -> bool:
-        """May this value decide a verdict?"""
+        """May this value decide a verdict? Only if the number was seen in its source."""
         return self.seen
 
 
 @cache
 def published_values() -> dict[str, Published]:
-    """Return all values by name."""
+    """Return all values by name; ValueError or TypeError for a table that is wrong, or a name used twice."""
     files = (f for f in resources.files(__package__).iterdir() if f.name.endswith(".toml"))
-    tables = (tomllib.loads(f.read_text(encoding="utf-8")) for f in sorted(files, key=lambda f: f.name))
-    return {name: Published(name=name, **table) for file in tables for name, table in file.items()}
+    return collect(f.read_text(encoding="utf-8") for f in sorted(files, key=lambda f: f.name))
+
+
+def collect(texts: Iterable[str]) -> dict[str, Published]:
+    """Return the values of several TOML texts by name; raises as `published_values` does."""
+    found: dict[str, Published] = {}
+    for name, table in (item for text in texts for item in tomllib.loads(text).items()):
+        if name in found:
+            raise ValueError(f"{name}: there are two values of this name")
+        found[name] = Published(name=name, **table)
+    return found

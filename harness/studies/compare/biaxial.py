@@ -1,23 +1,20 @@
-"""The biaxial box: curves and growth of every run, and what they allow to say."""
+"""The biaxial box: curves, averages and growth of every run, and what they allow to say."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections import defaultdict
+from dataclasses import dataclass
 
-from harness.scene.derived import peak_inertial_number
 from harness.scene.model import Biaxial
-from harness.studies.compare.biaxial_checks import (
-    macro_values,
-    parting_checks,
-    quasistatic_checks,
-    window_checks,
-)
 from harness.studies.compare.curves import BiaxialCurves, biaxial_curves
 from harness.studies.compare.growth import Growth, difference_growth
+from harness.studies.compare.macro import macro_values
 from harness.studies.compare.pairs import Pair, pairs_of
+from harness.studies.compare.pointwise import parting_checks, window_checks
 from harness.studies.compare.published import published_checks
+from harness.studies.compare.run_checks import balance_checks, control_checks, inertia_check, place_checks
 from harness.studies.compare.states import StateCurves, state_curves
-from harness.studies.verdict import Check
+from harness.studies.verdict import Check, Rerun
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,37 +28,45 @@ class BiaxialResult:
     curves: dict[str, BiaxialCurves]
     growth: dict[str, Growth]
     states: dict[str, StateCurves]
-    macro: dict[tuple[str, int], dict[str, float]] = field(default_factory=dict)
+    macro: dict[tuple[str, int], dict[str, float]]
 
 
-def judge_biaxial(scene: Biaxial, starts, runs, engines: list[str], rerun: str) -> tuple[list[Check], BiaxialResult]:
+def judge_biaxial(
+    scene: Biaxial, starts, runs, engines: list[str], rerun: Rerun
+) -> tuple[list[Check], BiaxialResult]:
     """Return all checks of a biaxial comparison and what the report needs."""
     finished = [r for r in runs if r.trajectory is not None]
-    first = {r.engine: r.trajectory for r in finished if r.packing == 0}
-    curves = {e: biaxial_curves(t, starts[0].system) for e, t in first.items()}
-    pairs = pairs_of(engines)
-    result = BiaxialResult(
-        pairs=tuple(pairs),
-        curves=curves,
-        growth={_name(p): difference_growth(first[p.left], first[p.right]) for p in _both(pairs, first)},
-        states={e: state_curves(t, starts[0].system) for e, t in first.items()},
-        macro={
-            (r.engine, r.packing): macro_values(biaxial_curves(r.trajectory, starts[r.packing].system), scene)
-            for r in finished
-        },
-    )
+    pairs = pairs_of(engines, friction=scene.contact.sliding is not None)
+    curves = defaultdict(dict)
+    for r in finished:
+        curves[r.engine][r.packing] = biaxial_curves(r.trajectory, starts[r.packing].system)
+    result = _result(scene, starts, finished, pairs, curves)
     checks = [
         *window_checks(pairs, scene.compare.windows, curves, rerun),
-        *parting_checks(pairs, curves),
-        *quasistatic_checks(curves, peak_inertial_number(scene, starts[0].system), rerun),
-        *published_checks(scene, result.macro),
+        *parting_checks(pairs, curves, rerun),
+        *published_checks(scene, engines, result.macro, rerun),
+        *control_checks(curves, rerun),
+        *place_checks(_with_systems(finished, starts), rerun),
+        *balance_checks(result.states, rerun),
+        inertia_check(scene, starts[0].system, rerun),
     ]
     return checks, result
 
 
-def _both(pairs: list[Pair], done: dict) -> list[Pair]:
-    return [p for p in pairs if p.left in done and p.right in done]
+def _result(scene: Biaxial, starts, finished, pairs: list[Pair], curves) -> BiaxialResult:
+    first = {r.engine: r.trajectory for r in finished if r.packing == 0}
+    return BiaxialResult(
+        pairs=tuple(pairs),
+        curves={e: of[0] for e, of in curves.items() if 0 in of},
+        growth={p.name: difference_growth(first[p.left], first[p.right]) for p in pairs if not p.missing(first)},
+        states={e: state_curves(t, starts[0].system) for e, t in first.items()},
+        macro={(e, k): macro_values(c, scene) for e, of in curves.items() for k, c in of.items()},
+    )
 
 
-def _name(pair: Pair) -> str:
-    return f"{pair.left} - {pair.right}"
+def _with_systems(finished, starts) -> dict[str, list]:
+    """Return trajectory and system of every run, by engine."""
+    found = defaultdict(list)
+    for r in finished:
+        found[r.engine].append((r.trajectory, starts[r.packing].system))
+    return found

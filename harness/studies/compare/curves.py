@@ -51,8 +51,8 @@ class BiaxialCurves:
     @property
     def friction_angle(self) -> np.ndarray:
         """Secant friction angle in degrees; NaN where a stress pulls, as no angle has such a sine."""
-        sine = (self.ratio - 1.0) / (self.ratio + 1.0)
-        return np.degrees(np.arcsin(np.where(self.ratio >= 0, sine, np.nan)))
+        pushes = np.where(self.ratio >= 0, self.ratio, np.nan)
+        return np.degrees(np.arcsin((pushes - 1.0) / (pushes + 1.0)))
 
     @property
     def volume_strain(self) -> np.ndarray:

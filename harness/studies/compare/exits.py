@@ -2,17 +2,19 @@
 
 Contact times, overlaps and restitution are read off the recorded frames: the begin and end of a
 contact are interpolated linearly between frames, so frame spacing limits their accuracy (stated as
-`resolution`). Restitution is -(v_n after)/(v_n before) along the normal of first touch, taken just
-before and after a pair's only contact.
+`resolution`). Restitution is -(v_n after)/(v_n before), each along the line of centres (or the wall's
+normal) of its own frame: the last before and the first after the contact.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from harness.scene.system import System
+from harness.studies.compare.growth import nearest_image
 from postproc.trajectory import Trajectory
 
 
@@ -20,7 +22,8 @@ from postproc.trajectory import Trajectory
 class Collision:
     """One contact of bodies i and j (j < 0: wall -j). Times in s, overlap in m.
 
-    end, duration and restitution are None while the contact lasts at the end of the run.
+    end and duration are None while the contact lasts at the end of the run; restitution also when the
+    contact lasted at its start, or the bodies did not approach each other before.
     """
 
     i: int
@@ -34,7 +37,7 @@ class Collision:
 
 @dataclass(frozen=True, kw_only=True)
 class ExitValues:
-    """Final velocities (N, dim) and spins (N, 1|3), the collisions in order of time, frame spacing."""
+    """Final velocities (N, dim) and spins (N, 1|3), the collisions in order of time, frame spacing (s)."""
 
     velocity: np.ndarray
     spin: np.ndarray
@@ -58,19 +61,22 @@ def exit_values(trajectory: Trajectory, system: System) -> ExitValues:
         velocity=last.vector(*(f"v{a}" for a in axes)),
         spin=last.vector(*spins),
         collisions=tuple(sorted(found, key=lambda c: c.begin)),
-        resolution=float(times[1] - times[0]) if len(times) > 1 else float("inf"),
+        resolution=float(times[1] - times[0]) if len(times) > 1 else float("nan"),
     )
 
 
-def _gaps(trajectory: Trajectory, system: System):
-    """Yield (i, j, overlap (F,), normal velocity (F,)) of every pair and every body and wall."""
+def _gaps(trajectory: Trajectory, system: System) -> Iterator[tuple[int, int, np.ndarray, np.ndarray]]:
+    """Yield (i, j, overlap (F,), normal velocity (F,)) of every pair and every body and wall.
+
+    The normal velocity is that of separation; of walls it is the rate of their places in the frames.
+    """
     axes = "xyz"[: system.dimension]
     x = np.array([f.particles.vector(*axes) for f in trajectory])
     v = np.array([f.particles.vector(*(f"v{a}" for a in axes)) for f in trajectory])
     radius = system.particles.radius
     for i in range(len(radius)):
         for j in range(i + 1, len(radius)):
-            branch = _nearest(x[:, i] - x[:, j], system)
+            branch = nearest_image(x[:, i] - x[:, j], system.periodic)
             distance = np.linalg.norm(branch, axis=1)
             v_n = np.einsum("fk,fk->f", v[:, i] - v[:, j], branch) / distance
             yield i + 1, j + 1, radius[i] + radius[j] - distance, v_n
@@ -81,14 +87,8 @@ def _gaps(trajectory: Trajectory, system: System):
             yield i + 1, -wall.index, radius[i] - (x[:, i] - point) @ n, v[:, i] @ n - rate
 
 
-def _nearest(branch: np.ndarray, system: System) -> np.ndarray:
-    if system.periodic is None:
-        return branch
-    box = np.array(system.periodic)
-    return branch - np.where(box > 0, box * np.round(branch / np.where(box > 0, box, 1.0)), 0.0)
-
-
-def _collisions(times, i, j, overlap, v_n):
+def _collisions(times: np.ndarray, i: int, j: int, overlap: np.ndarray, v_n: np.ndarray) -> Iterator[Collision]:
+    """Yield the contacts of one pair; k is the last frame before a contact, end the last one in it."""
     touching = overlap > 0.0
     edges = np.flatnonzero(np.diff(touching.astype(int)))
     begins = ([None] if touching[0] else []) + [k for k in edges if touching[k + 1]]
@@ -101,7 +101,7 @@ def _collisions(times, i, j, overlap, v_n):
         yield Collision(
             i=i, j=j, begin=begin, end=stop, duration=None if stop is None else stop - begin,
             largest_overlap=float(overlap[inside].max()),
-            restitution=None if k is None or end is None else float(-v_n[end + 1] / v_n[k]),
+            restitution=None if k is None or end is None or v_n[k] >= 0.0 else float(-v_n[end + 1] / v_n[k]),
         )
 
 

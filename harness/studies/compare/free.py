@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-
-import numpy as np
 
 from harness.scene.model import Agreement, Free
 from harness.studies.compare.exits import ExitValues, exit_values
-from harness.studies.compare.growth import Growth, difference_growth
+from harness.studies.compare.growth import (
+    Growth,
+    Lengths,
+    column_deviation,
+    difference_growth,
+    displacement_deviation,
+)
 from harness.studies.compare.pairs import Pair, pairs_of
-from harness.studies.verdict import Check, within
+from harness.studies.verdict import Check, Rerun, judged, not_checked
 from postproc.trajectory import Trajectory
+
+COLUMNS = {"velocity": ("vx", "vy", "vz"), "spin": ("wx", "wy", "wz")}
+"""What is compared over the whole trajectory besides displacements."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,64 +31,50 @@ class FreeResult:
     exits: dict[str, ExitValues]
 
 
-def judge_free(scene: Free, starts, runs, engines: list[str], rerun: str) -> tuple[list[Check], FreeResult]:
+def judge_free(scene: Free, starts, runs, engines: list[str], rerun: Rerun) -> tuple[list[Check], FreeResult]:
     """Return all checks of a free comparison and what the report needs."""
     done = {r.engine: r.trajectory for r in runs if r.trajectory is not None}
-    pairs = pairs_of(engines)
-    both = [p for p in pairs if p.left in done and p.right in done]
+    pairs = pairs_of(engines, friction=scene.contact.sliding is not None)
     result = FreeResult(
         pairs=tuple(pairs),
-        growth={f"{p.left} - {p.right}": difference_growth(done[p.left], done[p.right]) for p in both},
+        growth={
+            p.name: difference_growth(done[p.left], done[p.right], scene.periodic)
+            for p in pairs if not p.missing(done)
+        },
         exits={e: exit_values(t, starts[0].system) for e, t in done.items()},
     )
-    wanted = [(p, a) for a in scene.compare.agreements for p in pairs if p.kind == a.pairs]
-    return [c for p, a in wanted for c in _agreement(p, a, done, rerun)], result
+    return agreement_checks(pairs, scene.compare.agreements, done, rerun, scene.periodic), result
 
 
-QUANTITIES = {"displacement": "xyz", "velocity": ("vx", "vy", "vz"), "spin": ("wx", "wy", "wz")}
-"""What is compared over the whole trajectory; relative to the largest size in either run.
+def agreement_checks(
+    pairs: list[Pair], agreements: tuple[Agreement, ...], done: Mapping[str, Trajectory], rerun: Rerun,
+    periodic: Lengths = None,
+) -> list[Check]:
+    """Whole trajectories, for every pair of the kind that an agreement declares (level L1)."""
+    found = []
+    for agreement in agreements:
+        facts = {"level": "L1", "tolerance": agreement.tolerance}
+        wanted = [p for p in pairs if p.kind == agreement.pairs]
+        if not wanted:
+            why = f"declared for {agreement.pairs}, and no two of the engines are such a pair"
+            found.append(not_checked(**facts, quantity="whole trajectory", left="-", right="-", why=why))
+        for p in wanted:
+            found += _agreement(p, {**facts, "left": p.left, "right": p.right}, done, rerun, periodic)
+    return found
 
-Positions count from the start: relative to a coordinate far from the origin any path would agree.
-"""
 
-
-def _agreement(pair: Pair, agreement: Agreement, done: dict[str, Trajectory], rerun: str) -> list[Check]:
-    facts = {"level": "L1", "left": pair.left, "right": pair.right, "tolerance": agreement.tolerance}
-    missing = [e for e in (pair.left, pair.right) if e not in done]
+def _agreement(pair: Pair, facts: dict, done: Mapping[str, Trajectory], rerun: Rerun, periodic: Lengths) -> list[Check]:
+    missing = pair.missing(done)
     if missing:
-        why = f"no completed run of {' and '.join(missing)}"
-        return [Check(**facts, quantity="trajectory", deviation=None, verdict="not_checked", why=why)]
-    return [
-        _judged(facts, name, trajectory_deviation(done[pair.left], done[pair.right], columns), rerun)
-        for name, columns in QUANTITIES.items()
-    ]
+        return [not_checked(**facts, quantity="whole trajectory", why=missing)]
+    a, b = done[pair.left], done[pair.right]
+    deviations = {"displacement": displacement_deviation(a, b, periodic)}
+    deviations |= {name: column_deviation(a, b, columns) for name, columns in COLUMNS.items()}
+    return [_quantity(facts, name, d, rerun(pair.left, pair.right)) for name, d in deviations.items()]
 
 
-def _judged(facts: dict, name: str, deviation: float | None, rerun: str) -> Check:
-    quantity = f"{name}, whole trajectory"
+def _quantity(facts: dict, name: str, deviation: float | None, rerun: str) -> Check:
+    facts = {**facts, "quantity": f"{name}, whole trajectory"}
     if deviation is None:
-        why = "zero in both runs at all times: nothing to compare"
-        return Check(**facts, quantity=quantity, deviation=None, verdict="not_checked", why=why)
-    verdict = within(deviation, facts["tolerance"])
-    why = "largest over all frames and bodies" + (f"; rerun: {rerun}" if verdict == "differs" else "")
-    return Check(**facts, quantity=quantity, deviation=deviation, verdict=verdict, why=why)
-
-
-def trajectory_deviation(a: Trajectory, b: Trajectory, columns) -> float | None:
-    """Return max |a - b| / max(|a|, |b|) over frames, bodies and components; None if all is zero.
-
-    Positions are taken relative to their first frame. Raises ValueError when the frames are not of
-    the same steps.
-    """
-    if a.steps != b.steps:
-        raise ValueError("frames at different steps")
-    left, right = _stacked(a, columns), _stacked(b, columns)
-    size = max(np.abs(left).max(initial=0.0), np.abs(right).max(initial=0.0))
-    return None if size == 0.0 else float(np.abs(left - right).max() / size)
-
-
-def _stacked(trajectory: Trajectory, columns) -> np.ndarray:
-    """Return the columns that there are, (F, C, N); positions as displacements since the first frame."""
-    present = [c for c in columns if c in trajectory.frames[0].particles]
-    values = np.array([[f.particles[c] for c in present] for f in trajectory])
-    return values - values[0] if columns == QUANTITIES["displacement"] else values
+        return not_checked(**facts, why="zero in both runs at all times: nothing to compare")
+    return judged(**facts, deviation=deviation, why="largest over all frames and bodies", rerun=rerun)

@@ -11,6 +11,9 @@ from harness.studies.compare.curves import BiaxialCurves
 
 Plateau = tuple[float, float]
 
+ROUNDING = 1e-12
+"""Relative: a sample right at the end of a plateau belongs to it."""
+
 MACRO: dict[str, tuple[str, Callable[[BiaxialCurves, Plateau], float]]] = {
     "peak stress ratio": ("1", lambda c, _: float(c.ratio[c.peak])),
     "peak friction angle": ("deg", lambda c, _: float(c.friction_angle[c.peak])),
@@ -28,8 +31,8 @@ def plateau_mean(values: np.ndarray, curves: BiaxialCurves, plateau: Plateau) ->
 
     NaN (not computed) when fewer than two samples lie in the plateau.
     """
-    low, high = plateau
-    inside = (curves.strain >= low) & (curves.strain <= high * (1.0 + 1e-12))
+    low, high = np.array(plateau) * (1.0 - ROUNDING, 1.0 + ROUNDING)
+    inside = (curves.strain >= low) & (curves.strain <= high)
     strain = curves.strain[inside]
     if len(strain) < 2:
         return float("nan")

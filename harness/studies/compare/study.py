@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,13 +15,14 @@ from harness.runs.native import NativePolicy
 from harness.runs.outcome import Outcome
 from harness.scene.load import load_scene
 from harness.scene.model import Biaxial, Scene
-from harness.studies.compare.biaxial import judge_biaxial
-from harness.studies.compare.free import judge_free
+from harness.studies.compare.biaxial import BiaxialResult, judge_biaxial
+from harness.studies.compare.free import FreeResult, judge_free
 from harness.studies.prepare import Prepared, prepare
-from harness.studies.verdict import Check, failed
+from harness.studies.verdict import Check, Rerun, failed
 
 if TYPE_CHECKING:
     from harness.engines.protocol import Engine
+    from harness.runs.progress import Progress
     from postproc.trajectory import Trajectory
 
 TIME_LIMIT = 3600.0
@@ -40,14 +42,14 @@ class Run:
 
 @dataclass(frozen=True, kw_only=True)
 class Comparison:
-    """Everything a report needs. `result` holds what the kind of scene adds (curves or trajectories)."""
+    """Everything a report needs. `result` is a BiaxialResult or a FreeResult, as the scene is."""
 
     scene: Scene
-    scene_file: str
+    scene_file: Path
     starts: tuple[Prepared, ...]
     runs: tuple[Run, ...]
     checks: tuple[Check, ...]
-    result: object
+    result: BiaxialResult | FreeResult
 
     @property
     def completed(self) -> tuple[Run, ...]:
@@ -56,7 +58,7 @@ class Comparison:
 
     @property
     def exit_status(self) -> int:
-        """1 when a check differs, nothing could be checked, or a run failed; else 0.
+        """1 when a check differs, nothing was compared, or a run failed; else 0.
 
         An engine that is not installed, or says that it cannot compute the scene, is reported and
         does not fail the comparison as long as something was compared.
@@ -67,26 +69,32 @@ class Comparison:
 
 def compare(
     scene_file: Path, engines: tuple[Engine, ...], out: Path, *, packings: int | None = None,
-    time_limit: float = TIME_LIMIT, workers: int | None = None, progress=None, native: NativePolicy = "gzip",
+    time_limit: float = TIME_LIMIT, workers: int | None = None, progress: Callable[[], Progress] | None = None,
+    native: NativePolicy = "gzip",
 ) -> Comparison:
     """Run `scene_file` on `engines` and judge; runs are kept and reused below ``out/runs``.
 
-    Raises InputError for a scene that is wrong.
+    packings, workers: how many, as many as the scene says and as there are cores unless given.
+    progress: makes what shows packings and runs being made; nothing is shown without.
+    native: see `harness.runs.native`. Raises InputError for a scene that is wrong, before anything is
+    written.
     """
     from harness.runs.pool import run_many
 
     scene = load_scene(scene_file)
-    starts = prepare(scene, scene_file, packings=packings, cache=out / "packings")
+    starts = prepare(scene, scene_file, packings=packings, cache=out / "packings", progress=progress)
     engines = _distinct(engines, scene)
     plan = [(s.number, e) for s in starts for e in engines]
     jobs = [(_label(e.name, number, len(starts)), e, starts[number].system) for number, e in plan]
-    done = run_many(jobs, runs_root(out), time_limit=time_limit, workers=workers, progress=progress, native=native)
+    done = run_many(
+        jobs, runs_root(out), time_limit=time_limit, workers=workers, progress=progress and progress(), native=native
+    )
     runs = tuple(_run(number, e.name, d) for (number, e), d in zip(plan, done, strict=True))
     judge = judge_biaxial if isinstance(scene, Biaxial) else judge_free
-    rerun = f"grainproof compare {scene_file} --out {out}"
+    rerun = Rerun(scene_file=scene_file, out=out, packings=packings)
     checks, result = judge(scene, starts, runs, [e.name for e in engines], rerun)
     return Comparison(
-        scene=scene, scene_file=str(scene_file), starts=tuple(starts), runs=runs, checks=tuple(checks), result=result
+        scene=scene, scene_file=scene_file, starts=tuple(starts), runs=runs, checks=tuple(checks), result=result
     )
 
 

@@ -121,6 +121,17 @@ def test_a_fast_wall_misses_no_contact(dem):
     assert dem.bytes(struck(1e-3)) == dem.bytes(struck(100.0))
 
 
+@pytest.mark.parametrize("overlap", [2.0**-10, 2.0**-40, 2.0**-50])
+def test_a_contact_begins_with_the_smallest_overlap(dem, overlap):
+    floor = dem.wall("floor", (0.0, -1.0), (0.0, 1.0))
+    m = dem.model([[0.0, -overlap], [2.0 - overlap, 0.0]], walls=[floor])
+    force = dem.Simulation(m).state.force
+    assert force[0, 1] == pytest.approx(dem.KN * overlap, rel=1e-2)
+    assert force[1, 0] == pytest.approx(dem.KN * overlap, rel=1e-2)
+    apart = dem.model([[0.0, 0.0], [2.0, 0.0]], walls=[floor])
+    assert not dem.Simulation(apart).state.force.any()
+
+
 def springs_of(simulation):
     pairs = simulation.interactions[0].pairs
     rows = zip(pairs.i.tolist(), pairs.j.tolist(), pairs.spring.T.tolist(), strict=True)

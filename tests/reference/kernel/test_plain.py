@@ -3,9 +3,14 @@
 import numpy as np
 import pytest
 
+from reference.kernel.conventions import Convention
 from reference.kernel.model import Constant, Cosine, Loaded
 
-CONVENTIONS = ("lammps", "liggghts", "talk")
+MIXED = Convention(name="mixed", slip_arm="reduced", torque_arm="radius", wall_slip_arm="radius",
+                   wall_torque_arm="reduced", sliding="talk")
+"""No code's own, but all four lever arms differ from their neighbours."""
+
+CONVENTIONS = ("lammps", "liggghts", "talk", MIXED)
 MU = 0.4
 
 
@@ -58,7 +63,7 @@ def both_ways(met, *, pairs=True):
     return kinds == {True, False}
 
 
-@pytest.mark.parametrize("convention", CONVENTIONS)
+@pytest.mark.parametrize("convention", CONVENTIONS, ids=lambda c: getattr(c, "name", c))
 @pytest.mark.parametrize("dim", [2, 3])
 def test_a_box_of_rough_and_smooth_walls(dem, dim, convention):
     walls = dem.box(5.2 if dim == 2 else 3.4, dim, friction=("x0", "y1", "z0"))
@@ -70,7 +75,7 @@ def test_a_box_of_rough_and_smooth_walls(dem, dim, convention):
     assert any(j < 0 and sliding is None for (_, j), sliding in met)
 
 
-@pytest.mark.parametrize("convention", CONVENTIONS)
+@pytest.mark.parametrize("convention", CONVENTIONS, ids=lambda c: getattr(c, "name", c))
 def test_periodic_axes_gravity_and_drag(dem, convention):
     floor = dem.wall("floor", (0.0, 0.0), (0.0, 1.0), friction=True)
     m = dem.cluster(3, 2, squeeze=0.9, speed=2.0, walls=[floor], mu=MU, gt=3.0, gn=5.0, clip=True,
@@ -85,7 +90,7 @@ def test_periodic_in_three_directions(dem):
     assert both_ways(follow(dem, m, 120))
 
 
-@pytest.mark.parametrize("convention", CONVENTIONS)
+@pytest.mark.parametrize("convention", CONVENTIONS, ids=lambda c: getattr(c, "name", c))
 def test_moving_walls(dem, convention):
     """Smooth and rough, driven and loaded, one of them slanting and one sheared along itself."""
     walls = [
