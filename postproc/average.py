@@ -18,6 +18,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import NoReturn
 
 from postproc.averaging.registry import CELLS, WrongSetting, make_cells
 from postproc.fields import IN_CELLS, OF_STATE, Subject
@@ -114,8 +115,15 @@ def _deliver(averages: Averages, words: argparse.Namespace) -> None:
     print(json_text(averages) if words.json == "-" else table_text(averages), end="")
 
 
+class _OneLineParser(argparse.ArgumentParser):
+    """Reports a wrong command in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(INPUT_WRONG, f"{self.prog}: {message}; see {self.prog} --help\n")
+
+
 def _parser(prog: str) -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog=prog, description="Micro-macro averages of one granular state.")
+    parser = _OneLineParser(prog=prog, description="Micro-macro averages of one granular state.")
     add = parser.add_argument
     add("state", type=Path, metavar="STATE", help="neutral state (.h5, .json, NAME of CSV files) or trajectory.h5")
     add("--frame", type=int, metavar="K", help="frame of a trajectory, from 0; default the last")

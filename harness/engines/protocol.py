@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 
 Level = Literal["exact", "equivalent", "partial", "unsupported", "known_wrong"]
 
+REFUSED: tuple[Level, ...] = ("unsupported", "known_wrong")
+"""Levels at which a system is not run."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Probe:
@@ -80,3 +83,8 @@ class Engine(Protocol):
 
     def microseconds_per_step(self, system: System) -> float:
         """Rough expected cost, for `grainproof scene`; a measured figure with its origin in the docstring."""
+
+
+def takes(engine: Engine, system: System) -> bool:
+    """Return whether the engine computes every effect of the system at least in part."""
+    return not any(s.level in REFUSED for s in engine.supports(system))

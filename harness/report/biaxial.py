@@ -163,7 +163,8 @@ def _quasistatic(comparison: Comparison) -> Figure:
     axes[0, 0].legend(fontsize=7)
     for a, quantity in zip(axes[0, 1:], shown, strict=True):
         figures.draw_states(a, result.states, quantity)
-        a.set_yscale("log", nonpositive="mask")
+        if any((s.values[quantity] > 0).any() for s in result.states.values()):
+            a.set_yscale("log", nonpositive="mask")
     return Figure(uri=figures.png_uri(figure), caption=(
         "Error of the stress-controlled side wall; with recorded contacts also kinetic over elastic energy, and the "
         "largest net force on a particle over the mean contact force. After the peak the sample deforms in bursts."

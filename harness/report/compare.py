@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from harness.report import figures
 from harness.report.page import Section, render_page
 from harness.report.tables import Answer, csv_text
 from harness.scene.model import Biaxial
@@ -21,6 +22,7 @@ class Written:
     page: Path
     data: Path
     tables: tuple[Path, ...]
+    picture: Path | None
 
 
 def compare_answer(comparison: Comparison) -> Answer:
@@ -30,7 +32,7 @@ def compare_answer(comparison: Comparison) -> Answer:
 
 
 def write_report(comparison: Comparison, out: Path) -> Written:
-    """Write report.html, report.json and the CSV tables into `out`; each file appears whole or not at all.
+    """Write report.html, report.json, CSV tables and, for a box, overview.png into `out`; each whole or not at all.
 
     All hold the same numbers: the page with three digits, the others with all. What the page leaves out
     is in the others.
@@ -51,7 +53,20 @@ def write_report(comparison: Comparison, out: Path) -> Written:
     write_json_atomic(out / "report.json", report_data(comparison))
     write_text_atomic(out / "report.html", page)
     files = tuple(out / f"{name}.csv" for name in tables)
-    return Written(page=out / "report.html", data=out / "report.json", tables=files)
+    picture = _write_picture(comparison, out / "overview.png")
+    return Written(page=out / "report.html", data=out / "report.json", tables=files, picture=picture)
+
+
+def _write_picture(comparison: Comparison, path: Path) -> Path | None:
+    """Write the one picture of a box comparison; other scenes, and failed ones, have none."""
+    from harness.report.overview import overview
+    from harness.runs.atomic import write_bytes_atomic
+
+    if not isinstance(comparison.scene, Biaxial) or not comparison.result.curves:
+        path.unlink(missing_ok=True)
+        return None
+    write_bytes_atomic(path, figures.png_bytes(overview(comparison), dpi=80))
+    return path
 
 
 VERDICT_NOTE = (

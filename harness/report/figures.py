@@ -33,9 +33,14 @@ def new_figure(rows: int, columns: int, *, width: float, height: float):
 
 def png_uri(figure, *, dpi: int = 110) -> str:
     """Return the figure as a data URI, so that the page needs no other file."""
+    return "data:image/png;base64," + base64.b64encode(png_bytes(figure, dpi=dpi)).decode()
+
+
+def png_bytes(figure, *, dpi: int) -> bytes:
+    """Return the figure as a PNG file."""
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=dpi)
-    return "data:image/png;base64," + base64.b64encode(buffer.getvalue()).decode()
+    return buffer.getvalue()
 
 
 def line_style(engine: str) -> dict:

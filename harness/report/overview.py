@@ -40,7 +40,6 @@ def _first_runs(comparison: Comparison) -> list:
 def _draw_chains(axes, run, comparison: Comparison, runs: list) -> None:
     strain = comparison.result.states[run.engine].strain
     k = int(np.argmin(np.abs(strain - SHOWN_STRAIN)))
-    contacts = runs[0].trajectory.frames[k].contacts
-    width = 4.0 * float(np.hypot(contacts["fx"], contacts["fy"]).mean())
+    width = figures.typical_force(runs[0].trajectory.frames[k])
     figures.draw_force_chains(axes, run.trajectory.frames[k], full_width=width, view=figures.common_view(runs))
     axes.set_title(f"{run.engine}, ε = {100 * strain[k]:.1f} %", fontsize=9)

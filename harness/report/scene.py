@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from harness.engines.protocol import takes
 from harness.engines.registry import ENGINES
 from harness.packing.insertion import insert_loose
 from harness.packing.make import Packing
@@ -15,8 +16,6 @@ from harness.scene.load import load_scene
 from harness.scene.model import Scene
 from harness.scene.resolve import known_system, resolve
 from harness.scene.system import System
-
-REFUSED = ("unsupported", "known_wrong")
 
 
 def scene_answer(path: Path) -> Answer:
@@ -34,7 +33,7 @@ def scene_answer(path: Path) -> Answer:
 def expected_minutes(scene: Scene, path: Path, system: System | None) -> dict[str, float]:
     """Return the minutes a run is expected to take, by engine that can run it; rough, see each engine."""
     system = system or resolve(scene, path, _stand_in(scene))
-    able = {n: e for n, e in ENGINES.items() if not any(s.level in REFUSED for s in e.supports(system))}
+    able = {n: e for n, e in ENGINES.items() if takes(e, system)}
     return {n: e.microseconds_per_step(system) * system.steps / 60e6 for n, e in able.items()}
 
 

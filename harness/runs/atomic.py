@@ -13,12 +13,17 @@ import numpy as np
 
 
 def write_text_atomic(path: Path, text: str) -> None:
-    """Write UTF-8 text: temporary file beside `path`, flush to disk, rename, flush the folder."""
+    """Write UTF-8 text, see `write_bytes_atomic`."""
+    write_bytes_atomic(path, text.encode())
+
+
+def write_bytes_atomic(path: Path, data: bytes) -> None:
+    """Write a file: temporary file beside `path`, flush to disk, rename, flush the folder."""
     path = Path(path)
     part = path.with_name(f".{path.name}.{os.getpid()}.{threading.get_ident()}.part")
     try:
-        with open(part, "w", encoding="utf-8", newline="\n") as f:
-            f.write(text)
+        with open(part, "wb") as f:
+            f.write(data)
             f.flush()
             os.fsync(f.fileno())
         os.replace(part, path)

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from harness import __version__
+from harness.engines.protocol import REFUSED
 from harness.runs.folder import RunFolder, deck_digest, record_file
 from harness.runs.native import NativePolicy, settle_native
 from harness.runs.outcome import Outcome, host_facts, write_outcome
@@ -25,8 +26,6 @@ from postproc.trajectory import ReadError, Trajectory, read_trajectory, write_tr
 if TYPE_CHECKING:
     from harness.engines.protocol import Engine, Probe, RunResult, Support
     from harness.scene.system import System
-
-REFUSED = ("unsupported", "known_wrong")
 
 
 def run_one(

@@ -199,7 +199,8 @@ def _common(scene: Scene, plan: StepPlan, name: str) -> dict:
     return {
         "normal": scene.contact.normal, "sliding": scene.contact.sliding, "background": scene.background,
         "dt": plan.dt, "steps": plan.steps, "sample_every": plan.sample_every, "frame_every": plan.frame_every,
-        "contacts": scene.outputs.contacts, "rotations": scene.outputs.rotations, "scene_name": scene_name(name), "title": scene.title,
+        "contacts": scene.outputs.contacts, "rotations": scene.outputs.rotations,
+        "scene_name": scene_name(name), "title": scene.title,
     }
 
 

@@ -13,6 +13,7 @@ import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from harness.engines.protocol import takes
 from harness.engines.registry import ENGINES
 from harness.errors import InputError
 from harness.scene.load import load_scene
@@ -20,9 +21,7 @@ from harness.scene.resolve import scene_name
 from harness.studies.prepare import prepare
 
 LARGEST = 64_000
-"""Bytes; about three hundred particles."""
-
-REFUSED = ("unsupported", "known_wrong")
+"""Bytes; about five hundred discs."""
 
 Decks = Mapping[str, str]
 """Deck texts by ``<scene>/<engine>/<file>``."""
@@ -89,7 +88,7 @@ def write_decks(decks: Decks, folder: Path, *, whole: bool, remove: bool) -> lis
 def _decks_of(scene_file: Path, cache: Path) -> dict[str, str]:
     scene = load_scene(scene_file)
     system = prepare(scene, scene_file, packings=1, cache=cache)[0].system
-    able = [e for e in ENGINES.values() if not any(s.level in REFUSED for s in e.supports(system))]
+    able = [e for e in ENGINES.values() if takes(e, system)]
     folders = {f"{system.scene_name}/{e.name.replace(':', '-')}": e.render(system) for e in able}
     return dict(_kept(f"{folder}/{name}", text) for folder, deck in folders.items() for name, text in deck.items())
 

@@ -59,7 +59,8 @@ def particle_rows(
     """Return the particles of one dump frame, ids 1 to N in order.
 
     atoms: id, x, y[, z] with the suffix `positions` ("u": unwrapped), v*, omega*, radius, mass.
-    inertia_factor: (N,), q in I = q m R^2. turned: (N,), angle since the start in rad, if known. Raises ReadError (path) when a particle is missing.
+    inertia_factor: (N,), q in I = q m R^2. turned: (N,), angle since the start in rad, if known.
+    Raises ReadError (path) when a particle is missing.
     """
     count = len(inertia_factor)
     if not np.array_equal(atoms["id"], np.arange(1, count + 1)):

@@ -8,7 +8,8 @@ from harness.studies.verdict import Check, Rerun, failed, judged, not_checked
 
 
 def check(verdict: str, level: str = "L2") -> Check:
-    return Check(level=level, quantity="q", left="a", right="b", deviation=None, tolerance=None, verdict=verdict, why="")
+    facts = {"quantity": "q", "left": "a", "right": "b", "deviation": None, "tolerance": None, "why": ""}
+    return Check(level=level, verdict=verdict, **facts)
 
 
 def of(deviation: float, tolerance: float) -> Check:

@@ -17,6 +17,9 @@ import numpy as np
 from harness.scene.system import System
 from postproc.trajectory import Trajectory
 
+SMOOTHED = 0.005
+"""Strain over which a curve is smoothed before its peak is looked for: several bursts long."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class BiaxialCurves:
@@ -66,8 +69,21 @@ class BiaxialCurves:
 
     @property
     def peak(self) -> int:
-        """Sample of the largest stress ratio (of the first that is no number, if there is one)."""
-        return int(np.argmax(self.ratio))
+        """Sample at which sigma_zz, smoothed over `SMOOTHED`, is largest (or first no number).
+
+        Unsmoothed, a burst long after the peak could be taken for it; of the ratio, the side force that
+        the control check judges would decide where it is judged.
+        """
+        return int(np.argmax(self.smoothed(self.stress_zz)))
+
+    def smoothed(self, values: np.ndarray) -> np.ndarray:
+        """Return the mean of `values` (S,) over the samples within half of `SMOOTHED` strain on either side.
+
+        Where samples lie further apart than that, the value itself.
+        """
+        near = np.abs(self.strain[:, None] - self.strain) <= 0.5 * SMOOTHED
+        np.fill_diagonal(near, True)
+        return np.array([values[n].mean() for n in near])
 
     def upto(self, strain: float) -> np.ndarray:
         """Return a mask of the samples with eps <= strain but for step 0, the same by construction.

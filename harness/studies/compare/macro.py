@@ -15,8 +15,8 @@ ROUNDING = 1e-12
 """Relative: a sample right at the end of a plateau belongs to it."""
 
 MACRO: dict[str, tuple[str, Callable[[BiaxialCurves, Plateau], float]]] = {
-    "peak stress ratio": ("1", lambda c, _: float(c.ratio[c.peak])),
-    "peak friction angle": ("deg", lambda c, _: float(c.friction_angle[c.peak])),
+    "peak stress ratio": ("1", lambda c, _: float(c.smoothed(c.ratio)[c.peak])),
+    "peak friction angle": ("deg", lambda c, _: float(c.smoothed(c.friction_angle)[c.peak])),
     "strain at the peak": ("1", lambda c, _: float(c.strain[c.peak])),
     "plateau sigma_zz": ("N/m", lambda c, p: plateau_mean(c.stress_zz, c, p)),
     "plateau stress ratio": ("1", lambda c, p: plateau_mean(c.ratio, c, p)),

@@ -53,6 +53,26 @@ def test_the_peak_is_where_the_ratio_is_largest(box):
     assert macro["peak friction angle"] == pytest.approx(np.degrees(np.arcsin(1 / 3)))
 
 
+def test_a_burst_is_not_the_peak(box, mutate):
+    """Many samples: a single one 50 % too high, long after the peak, moves neither the peak nor its height much."""
+    many = box.changed(("samples = 40", "samples = 1000"))
+    true = many.trajectory(lambda eps: 1 + 400 * eps * (0.1 - eps))
+    burst = mutate.series(true, top_fy=lambda f: np.where(np.arange(len(f)) == 800, 1.5 * f, f))
+    curves = biaxial_curves(burst, many.system)
+    assert int(np.argmax(curves.stress_zz)) == 800
+    assert curves.strain[curves.peak] == pytest.approx(0.05, abs=5e-4)
+    assert macro_values(curves, many.scene)["peak stress ratio"] == pytest.approx(2.0, rel=1e-3)
+
+
+def test_smoothing_is_the_mean_over_strain_and_nothing_where_samples_are_sparse(curves):
+    """Samples within 0.0025 of strain; in the middle of the travel they are 0.004 apart."""
+    smooth = curves.smoothed(curves.strain)
+    assert smooth[20] == curves.strain[20]
+    assert smooth[0] == pytest.approx(curves.strain[curves.strain <= 0.0025].mean())
+    bad = np.where(np.arange(41) == 20, np.nan, 1.0)
+    assert np.flatnonzero(np.isnan(curves.smoothed(bad))).tolist() == [20]
+
+
 def test_the_window_holds_its_end_but_not_the_start(curves):
     at_end = curves.strain[7]
     inside = curves.upto(at_end)

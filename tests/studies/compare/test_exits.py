@@ -150,6 +150,7 @@ def test_many_bodies_are_not_followed():
 
 
 def test_one_frame_has_no_resolution():
-    values = exit_values(trajectory(np.zeros(1), np.zeros((1, 2, 2)) + [[[0, 0], [1, 1]]], np.zeros((1, 2, 2))), system())
+    x = np.array([[[0.0, 0.0], [1.0, 1.0]]])
+    values = exit_values(trajectory(np.zeros(1), x, 0 * x), system())
     assert np.isnan(values.resolution)
     assert values.collisions == ()

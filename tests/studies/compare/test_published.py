@@ -11,7 +11,7 @@ from reference.values import Published
 
 NINE = [9.0, 10.0, 11.0]
 """Mean 10, s = 1: the next of its kind lies within t(0.975, 2) sqrt(4/3) = 4.9683 of 10."""
-HALF = 4.968273
+HALF = 4.968275423
 
 
 def value(number: float, **changes) -> Published:

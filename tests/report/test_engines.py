@@ -1,0 +1,42 @@
+"""The support matrix: every effect, every engine, and the limits that engines themselves state."""
+
+from harness.engines.registry import ENGINES
+from harness.report.asked import hard_cases, ordinary_cases
+from harness.report.engines import engines_answer
+from harness.runs.atomic import json_text
+from harness.scene.effects import EFFECTS, effects_on
+
+
+def test_the_ordinary_cases_have_every_effect():
+    assert {e for case in ordinary_cases() for e in effects_on(case)} == set(EFFECTS)
+
+
+def test_the_matrix_has_every_effect_and_engine():
+    rows = engines_answer().data["support"]
+    assert [r["effect"] for r in rows] == list(EFFECTS)
+    assert all(set(r) == {"effect", *ENGINES} for r in rows)
+    assert {r[e] for r in rows for e in ENGINES} <= {"exact", "equivalent"}
+
+
+def test_every_judgement_has_its_note_once():
+    answer = engines_answer()
+    notes = [(r["engine"], r["note"]) for r in answer.data["notes"]]
+    assert len(notes) == len(set(notes))
+    judged = {(n, s.note) for n, e in ENGINES.items() for case in ordinary_cases() for s in e.supports(case)}
+    assert set(notes) == judged
+
+
+def test_limits_are_what_the_engines_state():
+    rows = engines_answer().data["limits"]
+    assert {r["case"] for r in rows} == set(hard_cases())
+    assert {r["support"] for r in rows} <= {"unsupported", "partial", "known wrong"}
+    assert not {r["engine"] for r in rows} & {n for n in ENGINES if n.startswith("kernel")}
+    assert all(r["note"] for r in rows)
+
+
+def test_every_engine_is_listed_and_the_answer_is_data():
+    answer = engines_answer()
+    assert [r["engine"] for r in answer.data["engines"]] == list(ENGINES)
+    assert all(r["detail"] for r in answer.data["engines"])
+    assert json_text(answer.data)
+    assert list(answer.tables.values()) == list(answer.data.values())
