@@ -74,15 +74,15 @@ class BouncingBall:
 class DroppedBall:
     """A ball dropped at rest on a floor that is a spring and a dashpot; attraction allowed.
 
-    height h0 of its centre (m) >= radius R (m); `contact`: stiffness, damping, and the ball's mass as the
+    height h0 of its centre (m) > radius R (m); `contact`: stiffness, damping, and the ball's mass as the
     reduced mass, less than critically damped; gravity g (m/s^2) > 0.
 
-    Raises ValueError if the contact is critically or more damped, or the ball starts below its radius.
+    Raises ValueError if the contact is critically or more damped, or the ball starts in contact.
 
-    >>> floor = LinearCollision(stiffness=1e4, damping=0.0, reduced_mass=10.89)
+    >>> floor = LinearCollision(stiffness=5e4, damping=0.0, reduced_mass=10.89)
     >>> ball = DroppedBall(height=0.5, radius=0.1, contact=floor, gravity=9.81)
     >>> round(ball.largest_overlap, 5), round(ball.restitution, 12)
-    (0.10368, 1.0)
+    (0.04353, 1.0)
     """
 
     height: float
@@ -93,8 +93,8 @@ class DroppedBall:
     def __post_init__(self) -> None:
         if self.contact.overdamped:
             raise ValueError(f"expected a damping ratio below 1, got {self.contact.damping_ratio:g}")
-        if self.height < self.radius:
-            raise ValueError(f"expected height >= radius, got {self.height!r} < {self.radius!r}")
+        if self.height <= self.radius:
+            raise ValueError(f"expected height > radius, got {self.height!r} and {self.radius!r}")
 
     @property
     def touch_time(self) -> float:
@@ -229,14 +229,18 @@ class BallsInGap:
         """
         from scipy.linalg import expm
 
-        inverse_mass = 1 / np.array(self.mass)[:, None]
-        rates = np.block([
-            [np.zeros((2, 2)), np.eye(2)],
-            [-inverse_mass * self._coupling(self.stiffness), -inverse_mass * self._coupling(self.damping)],
-        ])
-        start = np.concatenate([np.asarray(height, dtype=float) - self.equilibrium, velocity])
-        state = expm(rates * np.asarray(time, dtype=float)[:, None, None]) @ start
+        unit = self.frequencies[-1]  # in units of the fast mode heights and velocities are of one size
+        start = np.concatenate([np.asarray(height, dtype=float) - self.equilibrium, np.asarray(velocity) / unit])
+        state = expm(self._rates(unit) * (unit * np.asarray(time, dtype=float))[:, None, None]) @ start
         heights = state[:, :2] + self.equilibrium
         if np.any(self.overlaps(heights) < 0):
             raise ValueError("a contact opens: the motion is linear only while all three are closed")
-        return heights, state[:, 2:]
+        return heights, state[:, 2:] * unit
+
+    def _rates(self, unit: float) -> np.ndarray:
+        """Return A (4, 4) for (y, y'/unit) and the time unit * t."""
+        mass = np.array(self.mass)[:, None]
+        return np.block([
+            [np.zeros((2, 2)), np.eye(2)],
+            [-self._coupling(self.stiffness) / (mass * unit**2), -self._coupling(self.damping) / (mass * unit)],
+        ])
