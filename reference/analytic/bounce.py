@@ -82,7 +82,7 @@ class DroppedBall:
     >>> floor = LinearCollision(stiffness=5e4, damping=0.0, reduced_mass=10.89)
     >>> ball = DroppedBall(height=0.5, radius=0.1, contact=floor, gravity=9.81)
     >>> round(ball.largest_overlap, 5), round(ball.restitution, 12)
-    (0.04353, 1.0)
+    (0.04354, 1.0)
     """
 
     height: float
@@ -186,7 +186,7 @@ class BallsInGap:
     >>> balls = BallsInGap(gap=1.8e-3, radius=(5e-4, 5e-4), mass=(1.047e-5, 5.236e-6), stiffness=(1e3, 1e3, 1e3),
     ...                    damping=(0.0, 0.0, 0.0), gravity=9.81)
     >>> [round(1e3 * float(y), 4) for y in balls.equilibrium]
-    [0.4665, 1.3332]
+    [0.4332, 1.3666]
     """
 
     gap: float
@@ -197,7 +197,7 @@ class BallsInGap:
     gravity: float
 
     def overlaps(self, height: np.ndarray) -> np.ndarray:
-        """Overlaps (..., 3) at the floor, between the balls and at the ceiling, m, of centres at `height` (..., 2), m."""
+        """Overlaps (..., 3) at floor, between the balls and at the ceiling, m, for heights (..., 2) of the centres, m."""
         height = np.asarray(height, dtype=float)
         lower, upper = height[..., 0], height[..., 1]
         (a, b) = self.radius

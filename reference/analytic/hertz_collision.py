@@ -41,7 +41,7 @@ class HertzCollision:
     >>> glass = HertzCollision(stiffness=hertz_stiffness(effective_modulus=25e9, effective_radius=0.005),
     ...                        reduced_mass=5.864e-3)
     >>> f"{glass.largest_overlap(20.0):.4e} {glass.force_at_largest_overlap(20.0):.4e} {glass.duration(20.0):.3e}"
-    '2.7412e-04 1.0697e+04 4.034e-05'
+    '2.7411e-04 1.0697e+04 4.034e-05'
     """
 
     stiffness: float
@@ -70,7 +70,7 @@ class HertzCollision:
         return self.oscillator.largest_overlap(1.25 * speed) ** 0.8
 
     def force_at_largest_overlap(self, speed: float) -> float:
-        """K d_max^(3/2), N: the largest force if alpha = 0; with damping the largest force comes earlier."""
+        """k d_max^(3/2), N: the largest force if alpha = 0; with damping the largest force comes earlier."""
         return self.stiffness * self.largest_overlap(speed) ** 1.5
 
     def force(self, overlap: np.ndarray, rate: np.ndarray) -> np.ndarray:
@@ -110,7 +110,7 @@ def effective_radius(radius_i: float, radius_j: float = math.inf) -> float:
 
 
 def hertz_stiffness(*, effective_modulus: float, effective_radius: float) -> float:
-    """K = (4/3) E* sqrt(R*), N/m^1.5, from E* (Pa) and R* (m)."""
+    """k = (4/3) E* sqrt(R*), N/m^1.5, from E* (Pa) and R* (m)."""
     return 4 / 3 * effective_modulus * math.sqrt(effective_radius)
 
 
@@ -120,7 +120,7 @@ def damping_factor_for_restitution(restitution: float) -> float:
     Raises ValueError for a restitution outside (0, 1].
 
     >>> round(damping_factor_for_restitution(0.5), 6)
-    0.481902
+    0.481769
     """
     return damping_for_restitution(restitution, stiffness=1.25, reduced_mass=1.0)
 

@@ -10,13 +10,12 @@ frequencies w^2 from the eigenvalues of M^(-1/2) [sum over bonds B^+ K B] M^(-1/
 
     B = [ 2i sin(d q.n/2),  -d cos(d q.n/2) (. x n) ],     K = k_n n n + k_t (1 - n n),     M = (m, I)
 
-Elastic moduli (homogeneous strain; in 2D per unit thickness, N/m; in 3D Pa) and highest frequencies::
+Elastic moduli of homogeneous strain, each times the factor in front, and highest frequencies::
 
-                          C1111                     C1122                   C1212                 w_max^2 m
-    square                k_n                       0                       k_t/2                 max(4 (k_n + k_t), 8 k_t/q)
-    triangular            sqrt(3)/4 (3 k_n + k_t)   sqrt(3)/4 (k_n - k_t)   sqrt(3)/4 (k_n + k_t) max(6 k_n + 2 k_t, 12 k_t/q)
-    face-centred cubic    sqrt(2) (k_n + k_t)/d     (k_n - k_t)/(sqrt(2) d) (k_n + k_t)/(sqrt(2) d)
-                                                                                            max(8 (k_n + k_t), 16 k_t/q)
+                    factor       C1111        C1122          C1212          m w_max^2
+    square          1            k_n          0              k_t/2          max(4 (k_n + k_t), 8 k_t/q)
+    triangular      sqrt(3)/4    3 k_n + k_t  k_n - k_t      k_n + k_t      max(6 k_n + 2 k_t, 12 k_t/q)
+    f. c. cubic     sqrt(2)/d    k_n + k_t    (k_n - k_t)/2  (k_n + k_t)/2  max(8 (k_n + k_t), 16 k_t/q)
 
 The second candidate is the uniform rotation (q = 0), the first a wave at the edge of the zone; that nothing
 in between is higher is found by search over the zone for 0 < q <= 1, not proven. k_t = 0: no rotations.
@@ -44,7 +43,7 @@ import numpy as np
 class CubicModuli:
     """C1111, C1122 and C1212 of a material with the symmetry of the square or the cube, in axes along it.
 
-    dimension 2: per unit thickness, N/m; dimension 3: Pa.
+    dimension 2: N/m, of a sheet; dimension 3: Pa.
     """
 
     axial: float
@@ -79,7 +78,7 @@ class CubicModuli:
 class Lattice(ABC):
     """Particles of mass m (kg) a spacing d (m) apart; k_n > 0 and k_t >= 0 in N/m; q (-) in (0, 1].
 
-    In 2D per unit thickness: m in kg/m, k in N/m^2; the moduli are then stresses times a unit length less.
+    In 2D the moduli come out in N/m; per unit thickness, with m in kg/m and k in N/m^2, in Pa.
 
     Raises ValueError if there is a tangential spring but no inertia factor.
     """
@@ -123,7 +122,7 @@ class Lattice(ABC):
         return self.mass / self.cell_volume
 
     def _highest(self, translation: float, rotation: float) -> float:
-        """W_max from w^2 m of the highest wave without rotation, and of the uniform rotation times q."""
+        """w_max from w^2 m of the highest wave without rotation, and of the uniform rotation times q."""
         if self.tangential_stiffness:
             translation = max(translation, rotation / self.inertia_factor)
         return math.sqrt(translation / self.mass)
@@ -175,7 +174,7 @@ class Square(Lattice):
 
     @property
     def moduli(self) -> CubicModuli:
-        """K_n, 0, k_t/2, N/m."""
+        """k_n, 0, k_t/2, N/m."""
         return CubicModuli(
             axial=self.normal_stiffness, lateral=0.0, shear=self.tangential_stiffness / 2, dimension=2,
         )
@@ -187,7 +186,7 @@ class Square(Lattice):
 
     @property
     def highest_frequency(self) -> float:
-        """W_max, rad/s."""
+        """w_max, rad/s."""
         k_n, k_t = self.normal_stiffness, self.tangential_stiffness
         return self._highest(4 * (k_n + k_t), 8 * k_t)
 
@@ -199,7 +198,7 @@ class Triangular(Lattice):
     c_P^2 = (3/8) d^2 (3 k_n + k_t)/m, c_S^2 = (3/8) d^2 (k_n + k_t)/m.
 
     >>> lattice = Triangular(normal_stiffness=1.0, mass=1.0, spacing=1.0, tangential_stiffness=1.0, inertia_factor=0.5)
-    >>> round(lattice.moduli.poisson, 12), round(lattice.wave_speeds([1, 0])[1] ** 2, 12)
+    >>> round(lattice.moduli.poisson, 12), round(float(lattice.wave_speeds([1, 0])[1]) ** 2, 12)
     (0.0, 1.5)
     """
 
@@ -220,7 +219,7 @@ class Triangular(Lattice):
 
     @property
     def highest_frequency(self) -> float:
-        """W_max, rad/s."""
+        """w_max, rad/s."""
         k_n, k_t = self.normal_stiffness, self.tangential_stiffness
         return self._highest(6 * k_n + 2 * k_t, 12 * k_t)
 
@@ -253,7 +252,7 @@ class FaceCentredCubic(Lattice):
 
     @property
     def highest_frequency(self) -> float:
-        """W_max, rad/s."""
+        """w_max, rad/s."""
         k_n, k_t = self.normal_stiffness, self.tangential_stiffness
         return self._highest(8 * (k_n + k_t), 16 * k_t)
 
@@ -266,7 +265,7 @@ class Chain:
     under a static force see `hertz_chain`.
 
     >>> row = Chain(stiffness=1.0, mass=1.0, spacing=1.0)
-    >>> row.stability_limit, round(2 / row.free_frequencies(2)[-1], 6)
+    >>> row.stability_limit, round(2 / float(row.free_frequencies(2)[-1]), 6)
     (1.0, 1.414214)
     """
 
@@ -301,7 +300,10 @@ class Chain:
         return self.frequencies(np.pi * np.arange(count) / (count * self.spacing))
 
     def clamped_frequencies(self, count: int) -> np.ndarray:
-        """Of a row of `count` between two fixed ones, rad/s (count,), ascending: q d = pi j/(count + 1), j = 1, 2, ..."""
+        """Of a row of `count` between two fixed ones, rad/s (count,), ascending.
+
+        q d = pi j/(count + 1), j = 1, 2, ...
+        """
         return self.frequencies(np.pi * np.arange(1, count + 1) / ((count + 1) * self.spacing))
 
 

@@ -43,8 +43,8 @@ class LayeredPacking:
 
     Raises ValueError for an angle at which particles of a layer, or of every second one, would overlap.
 
-    >>> hexagonal(friction=0.2).strength, round(hexagonal(friction=0.0).ratio(0.1), 6)
-    (5.1200..., 1.549889)
+    >>> round(hexagonal(friction=0.2).strength, 3), round(float(hexagonal(friction=0.0).ratio(0.1)), 6)
+    (5.12, 1.547771)
     """
 
     contact_angle: float
@@ -60,7 +60,7 @@ class LayeredPacking:
 
     @property
     def friction_angle(self) -> float:
-        """Phi = atan(mu), rad."""
+        """phi = atan(mu), rad."""
         return math.atan(self.friction)
 
     @property

@@ -76,7 +76,7 @@ class SlidingBall:
         return 0.5 * self.slip**2 * self.inertia_factor / (1 + self.inertia_factor)
 
     def motion(self, time: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the distance of the centre (m), its velocity (m/s) and the spin (rad/s) at `time` >= 0 (s, any shape)."""
+        """Distance of the centre from the start (m), velocity (m/s) and spin (rad/s) at `time` >= 0 (s, any shape)."""
         time = np.asarray(time, dtype=float)
         sliding = np.minimum(time, self.time_to_roll)
         push = -self.friction * self.gravity * np.sign(self.slip)
