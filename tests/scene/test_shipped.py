@@ -43,9 +43,7 @@ def test_scene_is_far_from_instability_and_explains_itself(file):
 
 def test_boxes_differ_in_friction_and_size_only():
     friction, smooth, quick = (msgspec.to_builtins(shipped(n)) for n in BOXES)
-    assert {k for k in friction if friction[k] != smooth[k]} <= {
-        "title", "contact", "compare", "outputs", "side", "background", "top"
-    }
+    assert {k for k in friction if friction[k] != smooth[k]} <= {"title", "contact", "compare", "outputs", "top"}
     assert smooth["outputs"]["rotations"] is False
     assert friction["contact"]["normal"] == smooth["contact"]["normal"]
     assert smooth["contact"]["sliding"] is None
