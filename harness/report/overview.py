@@ -22,7 +22,10 @@ def overview(comparison: Comparison):
     figures.draw_curves(axes[0, 0], comparison.result.curves, "stress_zz", "σ_zz (N/m)")
     axes[0, 0].legend(fontsize=7)
     figures.draw_curves(axes[0, 1], comparison.result.curves, "volume_strain", "ε_V (compression > 0)")
-    figures.draw_force_deviation(axes[0, 2], comparison)
+    if comparison.result.growth:
+        figures.draw_force_deviation(axes[0, 2], comparison)
+    else:
+        axes[0, 2].axis("off")
     for a, run in zip(axes[1], runs, strict=False):
         _draw_chains(a, run, comparison, runs)
     for a in axes[1, len(runs):]:

@@ -128,8 +128,8 @@ class OverlapUnloading:
     loading, limit, adhesion: k1, kp, kc (N/m), 0 < k1 < kp, 0 <= kc. plasticity_depth: phi (-) > 0.
     pair_radius: r = 2 a_i a_j/(a_i + a_j) (m); 2 a against a wall. reduced_mass: m* (kg) > 0.
 
-    The k2 reached at D decides. A code that lowers D on the adhesive branch and evaluates k2 anew leaves
-    the branch by less than a step, so it gives this restitution too, to first order in its step.
+    The k2 reached at D decides. A code that lowers D on the adhesive branch and evaluates k2 anew stays on
+    that branch all the same: the memory makes a difference only where the bodies are pressed together again.
 
     Raises ValueError unless 0 < k1 < kp, kc >= 0 and phi > 0.
 

@@ -17,8 +17,9 @@ Elastic moduli of homogeneous strain, each times the factor in front, and highes
     triangular      sqrt(3)/4    3 k_n + k_t  k_n - k_t      k_n + k_t      max(6 k_n + 2 k_t, 12 k_t/q)
     f. c. cubic     sqrt(2)/d    k_n + k_t    (k_n - k_t)/2  (k_n + k_t)/2  max(8 (k_n + k_t), 16 k_t/q)
 
-The second candidate is the uniform rotation (q = 0), the first a wave at the edge of the zone; that nothing
-in between is higher is found by search over the zone for 0 < q <= 1, not proven. k_t = 0: no rotations.
+The second candidate is the uniform rotation (zero wave vector), the first a wave at the edge of the zone. That
+no wave between is faster is found by search over the zone, not proven; it holds for inertia factors up to 1
+(triangular: up to 2/3, so not for rings, whose limit is up to 1.3 % shorter). k_t = 0: no rotations.
 Velocity Verlet (and leap-frog) is stable for a time step below 2/w_max, whatever the number of particles.
 
 Sources: the sums over bonds, e.g. S. Luding, Micro-macro transition for anisotropic, frictional granular
@@ -219,8 +220,13 @@ class Triangular(Lattice):
 
     @property
     def highest_frequency(self) -> float:
-        """w_max, rad/s."""
+        """w_max, rad/s.
+
+        Raises ValueError for an inertia factor above 2/3 (with k_t > 0), where a wave inside the zone can be faster.
+        """
         k_n, k_t = self.normal_stiffness, self.tangential_stiffness
+        if k_t and self.inertia_factor > 2 / 3:
+            raise ValueError(f"no closed form for inertia factors above 2/3, got {self.inertia_factor!r}")
         return self._highest(6 * k_n + 2 * k_t, 12 * k_t)
 
 

@@ -106,7 +106,7 @@ class LayeredPacking:
         return (1 - np.asarray(strain, dtype=float)) * (1 - self.lateral_strain(strain)) ** (self.dimension - 1)
 
     def dilatancy(self, strain: np.ndarray) -> np.ndarray:
-        """Return -(de3/e3')/(de1/e1'), the lateral extension per axial shortening of the current sizes: cot(th)^2.
+        """Lateral extension per axial shortening, -(dl3/l3)/(dl1/l1) of the current sizes: cot(th)^2.
 
         The stress ratio is dilatancy times Rowe's energy ratio tan(th)/tan(th - phi), times 2 in 3D.
         """
