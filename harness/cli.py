@@ -40,6 +40,17 @@ def main(arguments: list[str] | None = None) -> int:
     except OSError as error:
         _complain(error)
         return 1
+    except ExceptionGroup as several:  # of runs side by side; a full disk, say, is nobody's bug
+        if several.subgroup(lambda e: not isinstance(e, OSError | ExceptionGroup)):
+            raise
+        _complain(_first(several))
+        return 1
+
+
+def _first(several: ExceptionGroup) -> Exception:
+    """Return the first error that is not itself a group."""
+    error = several.exceptions[0]
+    return _first(error) if isinstance(error, ExceptionGroup) else error
 
 
 def _complain(error: Exception) -> None:

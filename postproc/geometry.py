@@ -28,7 +28,7 @@ def particle_volumes(snapshot: Snapshot) -> np.ndarray:
 def box_bounds(snapshot: Snapshot) -> np.ndarray:
     """Lower and upper bound of each axis, shape (dim, 2), m. MissingColumn without a box."""
     if snapshot.box is None:
-        raise MissingColumn("the state has no box")
+        raise MissingColumn("the state has no box: give the attribute box, or walls on every side")
     return np.asarray(snapshot.box, dtype=np.float64)
 
 

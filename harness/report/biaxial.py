@@ -172,7 +172,8 @@ def _quasistatic(comparison: Comparison) -> Figure:
 
 
 AVERAGES = (
-    "volume fraction, inner", "coordination number", "coordination number without rattlers",
+    "volume fraction, inner", "coordination number, inner",
+    "coordination number without rattlers, inner",
     "fabric deviator, inner", "friction angle, inner", "sigma_zz from contacts",
 )
 

@@ -19,6 +19,8 @@ from postproc.trajectory import Trajectory, write_trajectory
 
 SHAPES = {"scalar": (), "vector": (2,), "principal": (2,), "tensor": (2, 2)}
 
+NO_BOX = "the state has no box: give the attribute box, or walls on every side"
+
 
 @pytest.mark.parametrize("kind", CELLS)
 def test_every_quantity_keeps_the_promises(states, kind):
@@ -78,7 +80,7 @@ def test_missing_contacts_box_and_settings(states):
     assert no_contacts["coordination_number"] == no_contacts["fabric"] == "contacts were not recorded"
     assert "volume_fraction" not in no_contacts
     no_box = reasons_of(average(states.replace(full, box=None)).in_cells)
-    assert no_box["volume_fraction"] == no_box["stress"] == "the state has no box"
+    assert no_box["volume_fraction"] == no_box["stress"] == NO_BOX
     assert "coordination_number" not in no_box
     nothing = average(full)
     assert nothing.in_cells["inertial_number"] == Unavailable(reason="no strain rate was given")

@@ -32,6 +32,7 @@ class BiaxialCurves:
     z: np.ndarray
     force_top: np.ndarray
     force_bottom: np.ndarray
+    force_left: np.ndarray
     force_right: np.ndarray
     pressure: float
 
@@ -100,6 +101,6 @@ def biaxial_curves(trajectory: Trajectory, system: System) -> BiaxialCurves:
     z0, x0 = top.point[1] - bottom.point[1], right.point[0] - left.point[0]
     return BiaxialCurves(
         step=s["step"], time=s["time"], strain=s["top_d"] / z0, x=x0 - s["right_d"], z=z0 - s["top_d"],
-        force_top=s["top_fy"], force_bottom=-s["bottom_fy"], force_right=s["right_fx"],
-        pressure=right.motion.stress,
+        force_top=s["top_fy"], force_bottom=-s["bottom_fy"],
+        force_left=-s["left_fx"], force_right=s["right_fx"], pressure=right.motion.stress,
     )

@@ -21,6 +21,8 @@ MACRO: dict[str, tuple[str, Callable[[BiaxialCurves, Plateau], float]]] = {
     "plateau sigma_zz": ("N/m", lambda c, p: plateau_mean(c.stress_zz, c, p)),
     "plateau stress ratio": ("1", lambda c, p: plateau_mean(c.ratio, c, p)),
     "plateau friction angle": ("deg", lambda c, p: plateau_mean(c.friction_angle, c, p)),
+    "left over right wall force": ("1", lambda c, _: mean_ratio(c.force_left, c.force_right, c)),
+    "top over bottom wall force": ("1", lambda c, _: mean_ratio(c.force_top, c.force_bottom, c)),
     "volume strain at the end": ("1", lambda c, _: float(c.volume_strain[-1])),
 }
 """Quantity: unit and how it is formed from curves and the plateau's strain range."""
@@ -44,3 +46,11 @@ def macro_values(curves: BiaxialCurves, scene: Biaxial) -> dict[str, float]:
     plateau = scene.compare.plateau
     wanted = {k: f for k, (_, f) in MACRO.items() if plateau is not None or not k.startswith("plateau")}
     return {name: f(curves, plateau) for name, f in wanted.items()}
+
+
+def mean_ratio(force: np.ndarray, opposite: np.ndarray, curves: BiaxialCurves) -> float:
+    """Return the ratio of two opposite walls' forces, each meaned over strain: 1 in equilibrium.
+
+    Away from 1 something between the walls takes up force: a background drag, or acceleration.
+    """
+    return float(np.trapezoid(force, curves.strain) / np.trapezoid(opposite, curves.strain))

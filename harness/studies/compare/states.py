@@ -17,9 +17,9 @@ XX, XZ, ZX, ZZ = (0, 0), (0, 1), (1, 0), (1, 1)
 SHOWN: dict[str, tuple[str, str, tuple[int, ...]]] = {
     "volume fraction": ("box", "volume_fraction", ()),
     "volume fraction, inner": ("inner", "volume_fraction", ()),
-    "coordination number": ("inner", "coordination_number", ()),
-    "coordination number without rattlers": ("inner", "backbone_coordination_number", ()),
-    "rattlers": ("inner", "rattler_fraction", ()),
+    "coordination number, inner": ("inner", "coordination_number", ()),
+    "coordination number without rattlers, inner": ("inner", "backbone_coordination_number", ()),
+    "rattlers, inner": ("inner", "rattler_fraction", ()),
     "sigma_xx from contacts": ("box", "stress", XX),
     "sigma_zz from contacts": ("box", "stress", ZZ),
     "sigma_xz from contacts": ("box", "stress", XZ),

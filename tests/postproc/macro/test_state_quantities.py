@@ -73,7 +73,7 @@ def test_a_shear_force_on_the_top_wall_is_sigma_yx(states):
 
 @pytest.mark.parametrize(("change", "reason"), [
     ({"walls": None}, "walls were not recorded"),
-    ({"box": None}, "the state has no box"),
+    ({"box": None}, "the state has no box: give the attribute box, or walls on every side"),
     ({"periodic": (True, False)}, "a periodic box has no wall on every side"),
 ])
 def test_wall_stress_says_why_not(states, change, reason):
