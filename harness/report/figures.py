@@ -91,6 +91,7 @@ def draw_force_deviation(axes, comparison: Comparison) -> None:
             axes.loglog(100 * a.strain[1:], deviation, lw=0.9, label=p.name)
     for w in comparison.scene.compare.windows:
         axes.plot([1e-4, 100 * w.strain], [w.tolerance] * 2, color="#444444", lw=2, alpha=0.6)
+        axes.text(1.3e-4, 1.3 * w.tolerance, w.pairs.replace("_", " "), fontsize=7, color="#444444")
     axes.set_xlim(left=1e-4)
     axes.set_xlabel("axial strain (%)")
     axes.set_ylabel("relative difference of top force")
