@@ -76,11 +76,12 @@ def parser() -> argparse.ArgumentParser:
     )
     top.add_argument("--version", action="version", version=f"grainproof {__version__}")
     verbs = top.add_subparsers(title="commands", required=True, metavar="COMMAND")
-    _add(verbs, "engines", _engines, "what is installed, versions, support table, known limits")
+    _add(verbs, "engines", _engines, "what is installed, versions, support table, known limits and defects")
     _scene_verb(verbs)
     _decks_verb(verbs)
     _run_verb(verbs)
     _compare_verb(verbs)
+    _laws_verb(verbs)
     verbs.add_parser("average", help="the post-processor alone, on a neutral state file")
     return top
 
@@ -101,7 +102,7 @@ def _decks_verb(verbs) -> None:
     verb = _add(verbs, "decks", _decks, "rewrite or verify the committed decks")
     verb.add_argument("files", type=Path, nargs="*", metavar="FILE", help="scene files; default: all shipped scenes")
     verb.add_argument("--check", action="store_true", help="change nothing; exit 1 when a deck is stale")
-    verb.add_argument("--out", type=Path, metavar="DIR", help="where decks are written; default: inputs/decks")
+    verb.add_argument("--out", type=_folder, metavar="DIR", help="where decks are written; default: inputs/decks")
 
 
 def _run_verb(verbs) -> None:
@@ -120,9 +121,24 @@ def _compare_verb(verbs) -> None:
     _add_run_options(verb)
 
 
+def _laws_verb(verbs) -> None:
+    verb = _add(verbs, "laws", _laws, "contact laws in prescribed motion and collisions: a matrix of laws and engines")
+    verb.add_argument("--law", action="append", default=[], metavar="L", help="a combination of laws; may be repeated")
+    verb.add_argument("--engine", action="append", default=[], metavar="E", help="an engine; may be repeated")
+    verb.add_argument("--workers", type=_count, metavar="N", help="runs at a time; default: the number of cores")
+    verb.add_argument("--out", type=_folder, default=Path("out/laws"), metavar="DIR", help="default: %(default)s")
+    verb.add_argument("--time-limit", type=_seconds, default=120.0, metavar="S", help="per run; default: %(default)g")
+
+
 def _add_run_options(verb: argparse.ArgumentParser) -> None:
-    verb.add_argument("--out", type=Path, default=Path("out"), metavar="DIR", help="results and runs; default: out")
+    verb.add_argument("--out", type=_folder, default=Path("out"), metavar="DIR", help="results and runs; default: out")
     verb.add_argument("--time-limit", type=_seconds, default=3600.0, metavar="S", help="per run; default: %(default)g")
+
+
+def _folder(word: str) -> Path:
+    if not word.strip():
+        raise argparse.ArgumentTypeError("expected a folder, got nothing; use . for this one")
+    return Path(word)
 
 
 def _count(word: str) -> int:
@@ -202,6 +218,24 @@ def _compare(options) -> int:
     return comparison.exit_status
 
 
+def _laws(options) -> int:
+    from harness.engines.registry import ENGINES, find_engine
+    from harness.report.laws import laws_answer, summary, write_laws_report
+    from harness.runs.progress import progress_for
+    from harness.studies.laws import choose_laws, prove_laws
+
+    laws = choose_laws(options.law)
+    engines = [find_engine(word) for word in options.engine] or list(ENGINES.values())
+    result = prove_laws(
+        laws, engines, options.out, time_limit=options.time_limit, workers=options.workers, progress=progress_for
+    )
+    written = write_laws_report(result, options.out)
+    _show(laws_answer(result), options)
+    if options.json != "-":
+        print(f"{summary(result)}\nreport: {written.page}")
+    return result.exit_status
+
+
 def _average(words: list[str]) -> int:
     """The post-processor has its own parser: it is a tool of its own and imports nothing of the harness."""
     from postproc.average import main as average
@@ -217,7 +251,10 @@ def _check_places(options) -> None:
     if options.out is not None:
         nearest = next(p for p in (options.out, *options.out.absolute().parents) if os.path.lexists(p))
         if not nearest.is_dir() or not os.access(nearest, os.W_OK | os.X_OK):
-            raise InputError(file="--out", expected="a folder that can be written", got=options.out)
+            got, fix = f"{options.out}", "make it writable or name another folder"
+            if not nearest.is_dir():
+                got, fix = f"{nearest}, which is no folder", "name another place"
+            raise InputError(file="--out", expected="a folder that can be written", got=got, fix=fix)
     if options.json not in (None, "-"):
         target = Path(options.json)
         if target.is_dir() or not target.parent.is_dir() or not os.access(target.parent, os.W_OK | os.X_OK):

@@ -15,6 +15,7 @@ From a shell::
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -71,6 +72,7 @@ def average(
     return Averages(
         time=snapshot.time,
         dimension=snapshot.dimension,
+        per_thickness=snapshot.per_thickness,
         particles=snapshot.particles.rows,
         cells=cells,
         labels=subject.cells.labels,
@@ -83,11 +85,35 @@ def main(arguments: Sequence[str] | None = None, *, prog: str = "python -m postp
     """Run the command; return 0, or 2 when the input is wrong (one line on standard error)."""
     words = _parser(prog).parse_args(arguments)
     try:
+        _check_places(words)
         _deliver(_average_file(words), words)
-    except (ReadError, WrongSetting, OSError) as error:
-        print(f"{prog}: {error}", file=sys.stderr)
-        return INPUT_WRONG
+    except (ReadError, WrongSetting) as error:
+        return _complain(f"{prog}: {error}")
+    except OSError as error:
+        return _complain(f"{prog}: {error.filename or 'output'}: cannot be written: {error.strerror or error}")
     return DONE
+
+
+def _complain(line: str) -> int:
+    print(" ".join(line.split()), file=sys.stderr)
+    return INPUT_WRONG
+
+
+def _check_places(words: argparse.Namespace) -> None:
+    """Refuse places where results cannot go, before anything is read. Raises WrongSetting."""
+    if words.out is not None:
+        _check_folder("--out", words.out, next(p for p in (words.out, *words.out.absolute().parents) if p.exists()))
+    if words.json not in (None, "-"):
+        _check_folder("--json", words.json, Path(words.json).parent)
+        if Path(words.json).is_dir():
+            raise WrongSetting(f"--json: expected a file, got the folder {words.json or '.'}; name a file in it")
+
+
+def _check_folder(option: str, asked: Path | str, folder: Path) -> None:
+    if not folder.is_dir():
+        raise WrongSetting(f"{option}: expected a place in a folder, got {asked}: {folder} is no folder; name another")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise WrongSetting(f"{option}: expected a place that can be written, got {asked}; name another")
 
 
 def _average_file(words: argparse.Namespace) -> Averages:
@@ -137,9 +163,15 @@ def _parser(prog: str) -> argparse.ArgumentParser:
         "default the first frame of a trajectory")
     add("--rate", type=float, metavar="R", help="strain rate for the inertial number, 1/s")
     add("--gravity", type=float, nargs="+", metavar="G", help="components of gravity, m/s^2")
-    add("--out", type=Path, metavar="DIR", help="write average.json, cells.csv and state.csv there")
+    add("--out", type=_folder, metavar="DIR", help="write average.json, cells.csv and state.csv there")
     add("--json", metavar="FILE", help="write JSON; - for standard output, in place of the table")
     return parser
+
+
+def _folder(text: str) -> Path:
+    if not text.strip():
+        raise argparse.ArgumentTypeError("expected a folder, got nothing; use . for this one")
+    return Path(text)
 
 
 def _positive(text: str) -> float:

@@ -110,13 +110,17 @@ class Field:
     formula: Callable[[Subject], np.ndarray]
 
     def evaluate(self, subject: Subject) -> Result:
-        """Return the value, or why there is none."""
+        """Return the value, or why there is none.
+
+        A 2D state of thickness 1 is one per unit thickness: its stresses are forces per length, N/m.
+        """
         try:
             values = np.asarray(self.formula(subject), dtype=np.float64) + 0.0  # turns -0 into 0
         except MissingColumn as missing:
             return Unavailable(reason=str(missing))
-        axes = subject.snapshot.axes
-        return Value(values=values, unit=self.unit, components=COMPONENTS[self.rank](axes))
+        snapshot = subject.snapshot
+        unit = "N/m" if self.unit == "Pa" and snapshot.per_thickness else self.unit
+        return Value(values=values, unit=unit, components=COMPONENTS[self.rank](snapshot.axes))
 
 
 COMPONENTS: dict[str, Callable[[tuple[str, ...]], tuple[str, ...]]] = {

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from postproc.results import Averages, Result, Unavailable, Value, columns_of, reasons_of
+from postproc.results import Averages, Result, Unavailable, Value, columns_of, headed, reasons_of
 
 
 def json_text(averages: Averages) -> str:
@@ -16,6 +16,7 @@ def json_text(averages: Averages) -> str:
     data = {
         "time": _number(averages.time),
         "dimension": averages.dimension,
+        "per_unit_thickness": averages.per_thickness,
         "particles": averages.particles,
         "cells": averages.cells,
         "labels": averages.labels,
@@ -28,16 +29,20 @@ def json_text(averages: Averages) -> str:
 def write_files(folder: Path, averages: Averages) -> None:
     """Write average.json (everything), cells.csv (a row a cell) and state.csv (one row) in `folder`.
 
-    Unavailable quantities have no column in the CSV files; the reasons are in average.json.
+    Columns of the CSV files are named with their unit in brackets. Unavailable quantities have no column there;
+    the reasons are in average.json.
     """
     import pandas as pd
 
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "average.json").write_text(json_text(averages), encoding="utf-8")
     cells = {"cell": averages.labels, **columns_of(averages.in_cells)}
-    state = {"time": [averages.time], **columns_of(averages.of_state)}
+    state = {"time (s)": [averages.time], **columns_of(averages.of_state)}
     for name, table in (("cells.csv", cells), ("state.csv", state)):
         pd.DataFrame(table).to_csv(folder / name, index=False, float_format="%.17g")
+
+
+PER_THICKNESS = "per unit thickness, as none other than 1 was given: stresses are forces per length, N/m"
 
 
 def table_text(averages: Averages) -> str:
@@ -46,7 +51,8 @@ def table_text(averages: Averages) -> str:
     count = len(averages.labels)
     cells = f"cells: {averages.cells}" + (f" ({count}; mean, least, largest)" if count > 1 else "")
     head = f"{averages.dimension}D, {averages.particles} particles, {time}, {cells}"
-    lines = [head, "", *_lines(averages.in_cells), "", "whole box", *_lines(averages.of_state)]
+    lines = [head, PER_THICKNESS] if averages.per_thickness else [head]
+    lines += ["", *_lines(averages.in_cells), "", "whole box", *_lines(averages.of_state)]
     reasons = {**reasons_of(averages.in_cells), **reasons_of(averages.of_state)}
     if reasons:
         lines += ["", "unavailable", *(f"  {name}: {reason}" for name, reason in reasons.items())]
@@ -60,14 +66,13 @@ def _lines(results: Mapping[str, Result]) -> list[str]:
 
 def _quantity(name: str, value: Value) -> list[str]:
     """One line a scalar or vector, one line a row of a tensor; for several cells a line a component."""
-    unit = "" if value.unit == "1" else f" [{value.unit}]"
     if len(value.values) == 1:
         rows = np.atleast_2d(value.values[0])
-        heads = [name + unit, *[""] * (len(rows) - 1)]
+        heads = [headed(name, value.unit), *[""] * (len(rows) - 1)]
         cells = ["".join(f"{number:<18.9g}" for number in row) for row in rows]
     else:
-        heads = [column + unit for column in value.columns(name)]
-        cells = [_spread(numbers) for numbers in value.columns(name).values()]
+        columns = value.columns(name)
+        heads, cells = list(columns), [_spread(numbers) for numbers in columns.values()]
     return [f"  {head:<34}{cell}".rstrip() for head, cell in zip(heads, cells, strict=True)]
 
 

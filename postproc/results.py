@@ -10,6 +10,15 @@ import numpy as np
 from postproc.snapshot import MissingColumn
 
 
+def headed(name: str, unit: str) -> str:
+    """Return the head of a column: its name with the unit, a pure number ("1") without.
+
+    >>> headed("stress_xx", "N/m"), headed("ratio", "1")
+    ('stress_xx (N/m)', 'ratio')
+    """
+    return name if unit == "1" else f"{name} ({unit})"
+
+
 @dataclass(frozen=True, kw_only=True)
 class Value:
     """A quantity in K cells: values (K, ...), unit ("1": a pure number), and names of components.
@@ -23,11 +32,11 @@ class Value:
     components: tuple[str, ...] = ()
 
     def columns(self, name: str) -> dict[str, np.ndarray]:
-        """Return the scalar columns (K,) of this quantity: name, or name_xx, name_xy, ..."""
+        """Return the scalar columns (K,) of this quantity: "name (unit)", or "name_xx (unit)", ..."""
         if not self.components:
-            return {name: self.values}
+            return {headed(name, self.unit): self.values}
         flat = self.values.reshape(len(self.values), -1)
-        return {f"{name}_{part}": flat[:, k] for k, part in enumerate(self.components)}
+        return {headed(f"{name}_{part}", self.unit): flat[:, k] for k, part in enumerate(self.components)}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,11 +54,13 @@ class Averages:
     """All quantities of one state.
 
     cells: kind of the cells, labels: one name each (K). in_cells: quantities per cell, values
-    (K, ...). of_state: quantities of the whole box, values (1, ...).
+    (K, ...). of_state: quantities of the whole box, values (1, ...). per_thickness: a 2D state of
+    thickness 1, whose stresses are in N/m.
     """
 
     time: float
     dimension: int
+    per_thickness: bool
     particles: int
     cells: str
     labels: tuple[str, ...]
@@ -65,7 +76,7 @@ class Averages:
 
 
 def columns_of(results: Mapping[str, Result]) -> dict[str, np.ndarray]:
-    """Return all scalar columns of the available quantities."""
+    """Return all scalar columns of the available quantities, by name with unit."""
     available = {name: r for name, r in results.items() if isinstance(r, Value)}
     return {c: v for name, value in available.items() for c, v in value.columns(name).items()}
 

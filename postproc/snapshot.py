@@ -1,7 +1,7 @@
 """One state of a granular system: particles, contacts, walls; the one in-memory form.
 
 Conventions: SI, float64; compression positive in stresses and overlaps; the contact normal points
-from j to i. All quantities of a 2D state are per unit thickness.
+from j to i. All quantities of a 2D state are per unit thickness unless it has a thickness other than 1 m.
 
 Columns (arrays of one length a group; optional ones may be absent, never filled with zeros):
 
@@ -83,6 +83,11 @@ class Snapshot:
     box: np.ndarray | None = None
     periodic: tuple[bool, ...] | None = None
     thickness: float = 1.0
+
+    @property
+    def per_thickness(self) -> bool:
+        """Whether quantities are those of a unit of thickness, so that stresses are in N/m, not in Pa."""
+        return self.dimension == 2 and self.thickness == 1.0
 
     @property
     def axes(self) -> tuple[str, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -323,4 +324,46 @@ def obedient(tmp_path):
         return Obedient(name, journal, **settings)
 
     make.begun = lambda: journal.read_text().split() if journal.exists() else []
+    return make
+
+
+# --- a kernel in this process, for prescribed motion -----------------------------------------------
+
+
+@dataclass(frozen=True)
+class KernelInside:
+    """The kernel in one convention, run in this process; `changed` makes a context in which it is another one."""
+
+    name: str
+    convention: str
+    changed: Callable = nullcontext
+
+    def probe(self) -> Probe:
+        return Probe(available=True, version="inside", detail="this process")
+
+    def supports(self, system: System) -> tuple[Support, ...]:
+        from harness.engines.registry import ENGINES
+
+        return ENGINES[f"kernel:{self.convention}"].supports(system)
+
+    def render_prescribed(self, system: System) -> dict[str, str]:
+        from harness.engines.registry import ENGINES
+
+        return ENGINES[f"kernel:{self.convention}"].render_prescribed(system)
+
+    def run_prescribed(self, folder: Path, *, time_limit: float) -> RunResult:
+        from reference.kernel.prescribed import main
+
+        with self.changed():
+            main(folder)
+        return RunResult(status="completed", reason="", last_lines=(), cpu_seconds=0.0, wall_seconds=0.0)
+
+
+@pytest.fixture
+def kernel_inside():
+    """kernel_inside("lammps") is kernel:lammps; with a name and `changed` it is a code that does as that kernel."""
+
+    def make(convention: str, *, name: str = "", changed: Callable = nullcontext) -> KernelInside:
+        return KernelInside(name or f"kernel:{convention}", convention, changed)
+
     return make

@@ -118,6 +118,9 @@ WRONG = {
     "engine left out": ["run", "good.toml"],
     "out is a file": ["compare", "good.toml", "--out", "file"],
     "out is in a file": ["run", "good.toml", "--engine", "kernel", "--out", "file/results"],
+    "out without a name": ["compare", "good.toml", "--out", ""],
+    "out of blanks": ["run", "good.toml", "--engine", "kernel", "--out", " "],
+    "decks into nothing": ["decks", "good.toml", "--out", ""],
     "decks into a file": ["decks", "good.toml", "--out", "file"],
     "no packing": ["compare", "good.toml", "--packings", "0"],
     "half a packing": ["compare", "good.toml", "--packings", "1.5"],
@@ -154,6 +157,16 @@ def test_wrong_input_is_one_line_and_writes_nothing(call, here, files, name):
     assert "Traceback" not in err
     assert sorted(str(p) for p in here.rglob("*")) == files
     assert (here / "file").read_text() == "mine"
+
+
+@pytest.mark.parametrize("words", [["--out", "file"], ["--out", "file/results"]])
+def test_a_file_where_a_folder_should_be_is_named_with_a_way_out(call, here, files, words):
+    _, _, err = call("compare", "good.toml", *words)
+    place = here / "file" if "/" in words[1] else "file"
+    assert err == (
+        f"grainproof: --out: expected a folder that can be written, got {place}, which is no folder; "
+        "name another place\n"
+    )
 
 
 @pytest.mark.parametrize("name", INJECTIONS)
@@ -208,7 +221,7 @@ def test_engines(call):
     assert (status, err) == (0, "")
     assert all(name in out for name in ENGINES)
     status, out, _ = call("engines", "--json", "-")
-    assert set(json.loads(out)) == {"engines", "support", "notes", "limits"}
+    assert set(json.loads(out)) == {"engines", "support", "notes", "limits", "defects"}
 
 
 @pytest.mark.parametrize("file", sorted(SCENES.glob("*.toml")), ids=lambda f: f.stem)
@@ -221,6 +234,8 @@ def test_scene_as_json_is_json_with_numbers(call, here, file):
     assert steps["time step"] * steps["steps"] == pytest.approx(steps["duration"])
     assert {row["value"] for row in data["effects"]} == {"on", "off"}
     assert {row["name"] for row in data["expected run time"]} <= set(ENGINES)
+    seconds = {row["name"]: row["value"] * {"s": 1, "min": 60}[row["unit"]] for row in data["expected run time"]}
+    assert all(time > 0.9 * ENGINES[name].startup_seconds for name, time in seconds.items())
     assert list(here.iterdir()) == []
 
 
@@ -288,12 +303,24 @@ def test_run_leaves_tables_and_average_reads_its_trajectory(call, here):
     assert folder.is_relative_to(here / "out" / "runs")
     assert {"exits.csv", "collisions.csv", "trajectory.csv", "trajectory.h5"} <= {p.name for p in folder.iterdir()}
     assert len(data["trajectory"]) == 2 * 41
+    assert [name for name in data["trajectory"][0] if "(" not in name] == ["id"]
     status, out, _ = call("average", folder / "trajectory.h5", "--cells", "particles", "--json", "-")
     assert status == 0
     averages = json.loads(out)
     speeds = np.array([[r[f"v{a} (m/s)"] for a in "xyz"] for r in data["exits"]])
     energy = 0.5 * np.array([1.0472e-5, 4.1888e-5]) * (speeds**2).sum(axis=1)
     assert averages["in_cells"]["translational_energy"]["values"] == pytest.approx(energy, rel=1e-12)
+
+
+def test_a_damaged_run_is_made_again_and_the_screen_says_so(here):
+    words = "run", HEAD_ON, "--engine", "kernel:talk"
+    assert in_new_process(*words).returncode == 0
+    (folder,) = (here / "out" / "runs").glob("head_on-*")
+    with open(folder / "trajectory.h5", "ab") as damaged:
+        damaged.write(b"x")
+    (line,) = [li for li in in_new_process(*words).stderr.splitlines() if li.startswith(folder.name)]
+    assert "trajectory.h5 has " in line
+    assert line.endswith("; run again")
 
 
 def test_a_run_that_cannot_be_made_is_an_exit_status_of_one(call, here, monkeypatch):

@@ -80,11 +80,11 @@ def short(folder) -> Said:
 @needs_all
 @pytest.mark.parametrize("code", ["lammps", "liggghts"])
 def test_oblique_impact_agrees_to_rounding_in_the_codes_own_conventions(oblique, code):
-    """Over the whole trajectory; asked for is 1e-12, measured 2e-16 for both codes."""
+    """Over the whole trajectory; asked for is 1e-12, measured 1.2e-14 for both codes (2e-16 by the textbook kernel)."""
     assert oblique.status == 0
     deviations = oblique.deviations(code, f"kernel:{code}")
     assert set(deviations) == {"displacement", "velocity", "spin"}
-    assert max(deviations.values()) <= 1e-14
+    assert max(deviations.values()) <= 1e-13
 
 
 @needs_all
@@ -103,7 +103,7 @@ def test_head_on_impact_is_one_law_in_all_codes(head_on):
     for pair in (("lammps", "kernel:talk"), ("liggghts", "kernel:talk"), ("lammps", "liggghts")):
         deviations = head_on.deviations(*pair)
         assert set(deviations) == {"displacement", "velocity"}
-        assert max(deviations.values()) <= 1e-14
+        assert max(deviations.values()) <= 1e-13
 
 
 @needs_all
@@ -117,7 +117,7 @@ def test_short_box_on_all_engines(short):
     assert len(same) == 2
     assert max(c["deviation"] for c in same) < 1e-8
     assert {c["verdict"] for c in checks if c["level"] == "run"} == {"agrees"}
-    assert len([c for c in checks if c["level"] == "run"]) == 4 * 3 + 1
+    assert len([c for c in checks if c["level"] == "run"]) == 4 * 4
     assert short.status == (1 if any(c["verdict"] == "differs" for c in checks) else 0)
     assert "4 of 4 runs completed" in short.out
 

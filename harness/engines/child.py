@@ -46,7 +46,7 @@ def run_child(
     start = time.monotonic()
     with open(folder / log, "wb") as out:
         try:
-            process = _start(command, folder, out, _one_thread_env() if env is None else env)
+            process = _start(command, folder, out, one_thread_env() if env is None else env)
         except OSError as error:
             return Child(returncode=127, signal="", timed_out=False, cpu_seconds=0.0, wall_seconds=0.0,
                          last_lines=(str(error),))
@@ -148,6 +148,6 @@ def _reap(process: subprocess.Popen) -> tuple[float, bool]:
     return usage.ru_utime + usage.ru_stime, stopped
 
 
-def _one_thread_env() -> dict[str, str]:
+def one_thread_env() -> dict[str, str]:
     """One thread an engine: fair timings, and no oversubscription by a pool of runs."""
     return dict(os.environ, OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", MKL_NUM_THREADS="1")

@@ -8,13 +8,13 @@ from harness.scene.system import Loaded, System, Wall
 
 
 def rotates(system: System) -> bool:
-    """Can a contact turn a particle? Without friction spins stay what they are."""
-    return system.sliding is not None
+    """Can a contact turn a particle? Without friction and resistances spins stay what they are."""
+    return any(law is not None for law in (system.sliding, system.rolling, system.torsion))
 
 
 def is_rough(system: System, wall: Wall) -> bool:
-    """Does the wall have friction?"""
-    return wall.friction and system.sliding is not None
+    """Can the wall turn a particle?"""
+    return wall.friction and rotates(system)
 
 
 def is_periodic(system: System, axis: int) -> bool:

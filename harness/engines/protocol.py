@@ -11,10 +11,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal, Protocol
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from harness.scene.system import System
     from postproc.trajectory import Trajectory
 
 Level = Literal["exact", "equivalent", "partial", "unsupported", "known_wrong"]
+
+PATH_FILE, REACTION_FILE = "path.npz", "reaction.npz"
+"""Arrays of `Prescribed` and of `Reaction` by their names, in the run folder."""
 
 REFUSED: tuple[Level, ...] = ("unsupported", "known_wrong")
 """Levels at which a system is not run."""
@@ -39,6 +44,19 @@ class Support:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Defect:
+    """Something an engine computes wrongly, reproduced on a real version: what it is, and what it touches.
+
+    evidence: what was measured, and on which version. avoided: how the decks keep clear of it.
+    """
+
+    name: str
+    affects: str
+    evidence: str
+    avoided: str
+
+
+@dataclass(frozen=True, kw_only=True)
 class RunResult:
     """What one child process did; the runs package makes the outcome from it.
 
@@ -55,6 +73,27 @@ class RunResult:
     timings: dict[str, float] = field(default_factory=dict)
 
 
+@dataclass(frozen=True, kw_only=True)
+class Prescribed:
+    """A path that bodies are driven along, whatever forces act: S + 1 states, `dt` of the system apart.
+
+    x, v: (S + 1, N, dim) in m, m/s. spin: (S + 1, N, 1 in 2D or 3), rad/s. Row 0 is the set-up, at which nothing
+    touches; in every later row the laws see exactly these numbers, histories moving on by dt.
+    """
+
+    x: np.ndarray
+    v: np.ndarray
+    spin: np.ndarray
+
+
+@dataclass(frozen=True, kw_only=True)
+class Reaction:
+    """What the laws answered: force (S, N, dim) in N, torque (S, N, 1 or 3) in N m, of rows 1..S."""
+
+    force: np.ndarray
+    torque: np.ndarray
+
+
 class Engine(Protocol):
     """One DEM code. All methods are pure but `run`, which works in the given folder only."""
 
@@ -66,6 +105,9 @@ class Engine(Protocol):
     def supports(self, system: System) -> tuple[Support, ...]:
         """Judge every effect the system calls for."""
 
+    def known_defects(self) -> tuple[Defect, ...]:
+        """Return what this engine is known to do wrong; empty for an engine without known defects."""
+
     def render(self, system: System) -> dict[str, str]:
         """Return deck files by name, deterministic, commented, 17 digits."""
 
@@ -75,11 +117,20 @@ class Engine(Protocol):
     def run(self, folder: Path, *, time_limit: float) -> RunResult:
         """Run the deck that stands in `folder`; never raises for what the engine does."""
 
+    def render_prescribed(self, system: System) -> dict[str, str]:
+        """Return the deck files for prescribed motion: particles, walls and laws, but nothing that moves them."""
+
+    def run_prescribed(self, folder: Path, *, time_limit: float) -> RunResult:
+        """Drive the bodies of the deck in `folder` along its PATH_FILE and leave REACTION_FILE there."""
+
     def steps_done(self, folder: Path) -> int:
         """Return the last step the running engine has reported, 0 if none: for progress bars."""
 
     def read(self, folder: Path, system: System) -> Trajectory:
         """Turn the engine's own output into a trajectory; raises ReadError on damaged files."""
+
+    startup_seconds: float
+    """CPU time of a run without steps, measured; for `grainproof scene`."""
 
     def microseconds_per_step(self, system: System) -> float:
         """Rough expected cost, for `grainproof scene`; a measured figure with its origin in the docstring."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import logging
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,6 +20,8 @@ from harness.errors import InputError
 from harness.packing.insertion import LOOSE, insert_loose
 from harness.scene.bodies import read_packing_file
 from harness.scene.model import Preparation, RandomParticles
+
+log = logging.getLogger(__name__)
 
 METHOD = 1
 """Version of the preparation; raising it makes every packing anew."""
@@ -64,6 +67,8 @@ def make_packing(
     cached = _read_cached(path)
     if cached is not None:
         return cached
+    if path.exists() or path.with_suffix(".json").exists():
+        log.warning("%s: it or its .json is not what was written; the packing is made again", path.name)
     x, radius, box = _loose(particles, seed) if start is None else _in_its_box(*start)
     return _store(path, key, _relaxed(x, radius, box, preparation, stiffness, particles), radius)
 

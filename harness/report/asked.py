@@ -6,16 +6,69 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.scene.model import Background, LinearNormal, SpringSliding
+from harness.scene.model import (
+    Background,
+    ConstantRolling,
+    DmtNormal,
+    HertzNormal,
+    HystereticNormal,
+    JkrNormal,
+    LinearNormal,
+    MindlinSliding,
+    SpringRolling,
+    SpringSliding,
+    SpringTorsion,
+    VariableHystereticNormal,
+    ViscousSliding,
+)
 from harness.scene.system import Constant, Cosine, Loaded, Particles, System, Wall
 
 RADIUS, SIDE = 1e-3, 0.02
 """Of the two bodies and of the box, m."""
 
 
+ELASTIC = {"youngs_modulus": 1e8, "poisson_ratio": 0.3}
+STICKY = {**ELASTIC, "surface_energy": 0.05, "normal_damping": 0.01, "impact_speed": 0.1}
+HYSTERETIC = {"loading_stiffness": 5e4, "adhesion_stiffness": 2e4, "normal_damping": 0.1}
+LINEAR = LinearNormal(normal_stiffness=1e5, normal_damping=0.1, attraction="allowed")
+HERTZ = HertzNormal(**ELASTIC, restitution=0.9, attraction="allowed", impact_speed=0.1)
+SPRING = SpringSliding(shear_friction=0.5, shear_stiffness=2e4, shear_damping=0.025)
+
+NORMALS = (
+    LINEAR, HERTZ, HystereticNormal(**HYSTERETIC, unloading_stiffness=1e5),
+    VariableHystereticNormal(**HYSTERETIC, largest_unloading_stiffness=1e5, plasticity_depth=0.05),
+    DmtNormal(**STICKY), JkrNormal(**STICKY),
+)
+"""Each normal law, between smooth bodies."""
+
+TURNING = (
+    {"sliding": SPRING}, {"sliding": ViscousSliding(shear_friction=0.5, shear_damping=0.1)},
+    {"sliding": SpringSliding(shear_friction=0.5, shear_stiffness=2e4, shear_damping=0.025, dynamic_friction=0.4)},
+    {"sliding": MindlinSliding(shear_friction=0.5), "normal": HERTZ},
+    {"sliding": SPRING, "rolling": SpringRolling(rolling_friction=0.1, rolling_stiffness=1e4, rolling_damping=0.01)},
+    {"sliding": SPRING, "rolling": ConstantRolling(rolling_friction=0.1)},
+)
+"""Each law that turns particles, beside what it needs."""
+
+TORSION = {
+    "sliding": SPRING, "torsion": SpringTorsion(torsion_friction=0.1, torsion_stiffness=1e4, torsion_damping=0.01),
+}
+"""In space only."""
+
+
 def ordinary_cases() -> tuple[System, ...]:
-    """Return systems in which, together, every effect is on, in 2D and 3D."""
-    return tuple(case for dimension in (2, 3) for case in (walled(dimension), periodic(dimension)))
+    """Return systems in which, together, every effect and every law is on, in 2D and 3D, with walls and without."""
+    cases = []
+    for dimension in (2, 3):
+        for base in (walled(dimension), periodic(dimension)):
+            cases += [base.with_(normal=law, sliding=None, walls=smooth(base.walls)) for law in NORMALS]
+            cases += [base.with_(**laws) for laws in (*TURNING, *((TORSION,) if dimension == 3 else ()))]
+    return tuple(cases)
+
+
+def smooth(walls: tuple[Wall, ...]) -> tuple[Wall, ...]:
+    """Return the walls without friction."""
+    return tuple(replace(w, friction=False) for w in walls)
 
 
 def hard_cases() -> dict[str, System]:
@@ -44,8 +97,7 @@ def walled(dimension: int) -> System:
     )
     return System(
         dimension=dimension, particles=_two_bodies(dimension), walls=walls,
-        normal=LinearNormal(normal_stiffness=1e5, normal_damping=0.1, attraction="allowed"),
-        sliding=SpringSliding(shear_friction=0.5, shear_stiffness=2e4, shear_damping=0.025),
+        normal=LINEAR, sliding=SPRING,
         background=Background(translational_drag=1e-3), gravity=_times(-9.81, up), periodic=None,
         dt=1e-7, steps=10, sample_every=10, frame_every=10, contacts=True,
     )

@@ -10,6 +10,7 @@ from harness.report import figures
 from harness.report.page import Figure, Section
 from harness.studies.compare.macro import MACRO
 from harness.studies.compare.pointwise import force_deviation
+from postproc.results import headed
 
 if TYPE_CHECKING:
     from harness.studies.compare.study import Comparison, Run
@@ -89,14 +90,17 @@ def _upto(a, b) -> dict[str, float | None]:
     return {f"{100 * s:g} %": float(deviation[m].max()) if m.any() else None for s, m in inside.items()}
 
 
-CURVES = ("strain", "stress_zz", "stress_xx", "ratio", "friction_angle", "volume_strain", "control_error",
-          "force_top", "force_bottom", "force_right", "x", "z", "time")
+CURVES = {
+    "strain": "1", "stress_zz": "N/m", "stress_xx": "N/m", "ratio": "1", "friction_angle": "deg", "volume_strain": "1",
+    "control_error": "1", "force_top": "N", "force_bottom": "N", "force_right": "N", "x": "m", "z": "m", "time": "s",
+}
+"""Curve and its unit; a box of discs of unit thickness."""
 
 
 def curve_rows(comparison: Comparison) -> list[dict]:
     """One row an engine and sample."""
     return [
-        {"engine": e, **{q: float(getattr(c, q)[k]) for q in CURVES}}
+        {"engine": e, **{headed(q, unit): float(getattr(c, q)[k]) for q, unit in CURVES.items()}}
         for e, c in comparison.result.curves.items() for k in range(len(c.step))
     ]
 
@@ -104,7 +108,7 @@ def curve_rows(comparison: Comparison) -> list[dict]:
 def state_rows(comparison: Comparison) -> list[dict]:
     """One row an engine and frame."""
     return [
-        {"engine": e, "strain": float(s.strain[k]), **{q: float(v[k]) for q, v in s.values.items()}}
+        {"engine": e, "strain": float(s.strain[k]), **{headed(q, s.units[q]): float(v[k]) for q, v in s.values.items()}}
         for e, s in comparison.result.states.items() for k in range(len(s.strain))
     ]
 
@@ -112,7 +116,7 @@ def state_rows(comparison: Comparison) -> list[dict]:
 def growth_rows(comparison: Comparison) -> list[dict]:
     """One row a pair and frame."""
     return [
-        {"pair": name, "time": float(t), "rms difference over diameter": float(d)}
+        {"pair": name, "time (s)": float(t), "rms difference over diameter": float(d)}
         for name, g in comparison.result.growth.items() for t, d in zip(g.time, g.difference, strict=True)
     ]
 
@@ -191,7 +195,14 @@ def _averages(comparison: Comparison) -> list[Section]:
     caption = (
         "Averages of the independent post-processor from particles and contacts; \"inner\" leaves out a border layer."
     )
-    return [Section(heading="Micro-macro averages", figures=(Figure(uri=figures.png_uri(figure), caption=caption),))]
+    picture = Figure(uri=figures.png_uri(figure), caption=caption)
+    return [Section(heading="Micro-macro averages", note=_absent(comparison), figures=(picture,))]
+
+
+def _absent(comparison: Comparison) -> str:
+    """Say which quantities the frames cannot give, and why."""
+    reasons = {q: why for s in comparison.result.states.values() for q, why in s.absent.items()}
+    return "".join(f"Not available: {q}, as {why}. " for q, why in reasons.items()).strip()
 
 
 def _available(comparison: Comparison, quantities: tuple[str, ...]) -> list[str]:

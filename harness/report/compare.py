@@ -76,7 +76,7 @@ VERDICT_NOTE = (
 )
 RUN_NOTE = (
     "CPU time of the engine's own process, set-up and output included; runs shared this machine, so compare "
-    "times only roughly. CPU us per step is that time over the steps. An engine that failed or is missing is listed "
+    "times only roughly. CPU per step is that time over the steps. An engine that failed or is missing is listed "
     "with its reason."
 )
 
@@ -100,8 +100,8 @@ def _run_row(run: Run) -> dict:
     cpu = o.cpu_seconds if o.status == "completed" else None
     return {
         "engine": run.engine, "packing": run.packing + 1, "outcome": o.status, "version": o.engine_version,
-        "particles": o.particles, "steps": o.steps, "CPU s": cpu,
-        "CPU us per step": None if cpu is None else 1e6 * cpu / o.steps, "reason": o.reason,
+        "particles": o.particles, "steps": o.steps, "CPU (s)": cpu,
+        "CPU per step (us)": None if cpu is None else 1e6 * cpu / o.steps, "reason": o.reason,
     }
 
 

@@ -1,12 +1,14 @@
-"""What is installed, and how each engine stands to each effect."""
+"""What is installed, how each engine stands to each effect and law, and what it is known to do wrong."""
 
 from __future__ import annotations
 
-from harness.engines.protocol import Support
+from typing import get_args
+
+from harness.engines.protocol import Level, Support
 from harness.engines.registry import ENGINES
 from harness.report.asked import hard_cases, ordinary_cases
 from harness.report.tables import Answer
-from harness.scene.effects import EFFECTS
+from harness.scene.effects import EFFECT_NAMES
 
 AS_IT_SHOULD = ("exact", "equivalent")
 """Levels that need no warning."""
@@ -16,12 +18,13 @@ Judged = list[tuple[str, Support]]
 
 
 def engines_answer() -> Answer:
-    """Return what is installed, the support matrix with its notes, and the known limits."""
+    """Return what is installed, the support matrix with its notes, the known limits and the known defects."""
     judged = [(n, s) for n, e in ENGINES.items() for system in ordinary_cases() for s in e.supports(system)]
     rows = {
         "engines": engine_rows(), "support": support_rows(judged), "notes": note_rows(judged), "limits": limit_rows(),
+        "defects": defect_rows(),
     }
-    titles = ("Engines", "What each engine does with each effect", "How it does it", "Known limits")
+    titles = ("Engines", "What each engine does with each effect", "How it does it", "Known limits", "Known defects")
     return Answer(tables=dict(zip(titles, rows.values(), strict=True)), data=rows)
 
 
@@ -35,14 +38,21 @@ def engine_rows() -> list[dict]:
 
 
 def support_rows(judged: Judged) -> list[dict]:
-    """One row an effect that scenes can call for, one column an engine: its level, None if it names none."""
-    levels: dict[tuple[str, str], list[str]] = {}
+    """One row an effect or law that scenes can call for, one column an engine: its levels, None if it names none.
+
+    Several levels: it depends on what else there is (walls, dimension, other laws), and the notes say on what.
+    """
+    found: dict[tuple[str, str], set[Level]] = {}
     for engine, s in judged:
-        levels.setdefault((s.effect, engine), []).append(s.level.replace("_", " "))
+        found.setdefault((s.effect, engine), set()).add(s.level)
     return [
-        {"effect": effect, **{e: ", ".join(dict.fromkeys(levels.get((effect, e), []))) or None for e in ENGINES}}
-        for effect in EFFECTS
+        {"effect": effect, **{e: _levels(found.get((effect, e), set())) for e in ENGINES}} for effect in EFFECT_NAMES
     ]
+
+
+def _levels(found: set[Level]) -> str | None:
+    """Write levels from the best to the worst."""
+    return ", ".join(level.replace("_", " ") for level in get_args(Level) if level in found) or None
 
 
 def note_rows(judged: Judged) -> list[dict]:
@@ -65,3 +75,11 @@ def limit_rows() -> list[dict]:
         for s in engine.supports(system) if s.level not in AS_IT_SHOULD
     ]
     return list({tuple(row.values()): row for row in found}.values())
+
+
+def defect_rows() -> list[dict]:
+    """One row a defect that was reproduced on a real version, and how the decks keep clear of it."""
+    return [
+        {"engine": name, "defect": d.name, "affects": d.affects, "evidence": d.evidence, "avoided": d.avoided}
+        for name, engine in ENGINES.items() for d in engine.known_defects()
+    ]

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from postproc.results import headed
+
 if TYPE_CHECKING:
     from harness.studies.compare.curves import BiaxialCurves
     from harness.studies.compare.growth import Growth
@@ -60,11 +62,11 @@ def draw_curves(
 
 
 def draw_states(axes, states: Mapping[str, StateCurves], quantity: str) -> None:
-    """Draw a frame average of every engine against axial strain in per cent."""
+    """Draw a frame average of every engine (one at least) against axial strain in per cent."""
     for engine, s in states.items():
         axes.plot(100 * s.strain, s.values[quantity], marker=".", ms=3, **line_style(engine))
     axes.set_xlabel("axial strain (%)")
-    axes.set_ylabel(quantity)
+    axes.set_ylabel(headed(quantity, next(iter(states.values())).units[quantity]))
     axes.grid(alpha=0.3)
 
 

@@ -7,12 +7,20 @@ from typing import TYPE_CHECKING
 from harness.report.free import collision_table, exit_table
 from harness.report.tables import Answer, csv_text
 from harness.scene.model import Free
+from postproc.results import headed
 
 if TYPE_CHECKING:
     from harness.studies.single import SingleRun
 
 TITLES = {"run": "Run", "exits": "Exit values", "collisions": "Collisions"}
 """What is shown to people; the trajectory is in the files only."""
+
+
+UNITS = {
+    "id": "1", "radius": "m", "mass": "kg", "inertia": "kg m^2", "rotation": "rad",
+    **dict.fromkeys("xyz", "m"), **{f"v{a}": "m/s" for a in "xyz"}, **{f"w{a}": "rad/s" for a in "xyz"},
+}
+"""Of the particles' columns."""
 
 
 def run_answer(run: SingleRun) -> Answer:
@@ -57,6 +65,7 @@ def free_tables(run: SingleRun) -> dict[str, list[dict]]:
 def trajectory_table(run: SingleRun) -> list[dict]:
     """One row a frame and body: time and every recorded column."""
     return [
-        {"time": frame.time, **{name: float(values[k]) for name, values in frame.particles.items()}}
+        {"time (s)": frame.time,
+         **{headed(name, UNITS[name]): float(values[k]) for name, values in frame.particles.items()}}
         for frame in run.trajectory for k in range(frame.particles.rows)
     ]

@@ -22,7 +22,7 @@ def scene_answer(path: Path) -> Answer:
     """Return what a scene file means, by section; nothing is run and nothing is written. Raises InputError."""
     scene = load_scene(path)
     system = known_system(scene, path)
-    sections = explain(scene, system, expected_minutes(scene, path, system))
+    sections = explain(scene, system, expected_seconds(scene, path, system))
     tables = {
         title.capitalize(): [{"name": r.name, "value": r.text, "note": r.note} for r in rows]
         for title, rows in sections
@@ -30,11 +30,11 @@ def scene_answer(path: Path) -> Answer:
     return Answer(tables=tables, data=as_json(sections))
 
 
-def expected_minutes(scene: Scene, path: Path, system: System | None) -> dict[str, float]:
-    """Return the minutes a run is expected to take, by engine that can run it; rough, see each engine."""
+def expected_seconds(scene: Scene, path: Path, system: System | None) -> dict[str, float]:
+    """Return the seconds a run is expected to take, by engine that can run it; rough, see each engine."""
     system = system or resolve(scene, path, _stand_in(scene))
     able = {n: e for n, e in ENGINES.items() if takes(e, system)}
-    return {n: e.microseconds_per_step(system) * system.steps / 60e6 for n, e in able.items()}
+    return {n: e.startup_seconds + 1e-6 * e.microseconds_per_step(system) * system.steps for n, e in able.items()}
 
 
 def _stand_in(scene: Scene) -> Packing:

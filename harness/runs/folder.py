@@ -29,13 +29,15 @@ from typing import TYPE_CHECKING
 
 from harness import SCHEMA
 from harness.engines.child import raise_if_stopping
-from harness.runs.atomic import write_json_atomic
+from harness.runs.atomic import json_text, write_json_atomic
 from harness.runs.outcome import Damaged, FileRecord, Outcome, read_outcome
 
 if TYPE_CHECKING:
     from harness.scene.system import System
 
 log = logging.getLogger(__name__)
+
+IDENTITY = "identity.json"
 
 LOCK_POLL = 0.1
 """Seconds between two looks at a taken lock; a blocking wait could not be interrupted."""
@@ -113,7 +115,7 @@ class RunFolder:
             os.replace(self.path, trash)
             shutil.rmtree(trash, ignore_errors=True)
         self.path.mkdir(parents=True)
-        write_json_atomic(self.path / "identity.json", self.identity)
+        write_json_atomic(self.path / IDENTITY, self.identity)
         for name, text in deck.items():
             file = self.path / name
             file.parent.mkdir(parents=True, exist_ok=True)
@@ -122,19 +124,30 @@ class RunFolder:
     def completed(self, deck: Mapping[str, str]) -> Outcome | None:
         """Return the outcome if the run of this deck is completed and undamaged, else None.
 
-        What is found damaged or out of date is reported in one line; it is then to be redone.
+        What is found damaged, unfinished or out of date is reported in one line; it is then to be redone.
         """
         try:
             outcome = self.read()
+            if outcome is None and self.path.exists():
+                raise Damaged("outcome.json is missing, the run was not finished")
+            if outcome is None or outcome.status != "completed":
+                return None
+            if outcome.deck_digest != deck_digest(deck):
+                raise Damaged("the deck has changed since this run")
+            self._verify_texts(deck)
         except Damaged as error:
             log.warning("%s: %s; run again", self.name, error)
             return None
-        if outcome is None or outcome.status != "completed":
-            return None
-        if outcome.deck_digest != deck_digest(deck):
-            log.warning("%s: the deck has changed since this run; run again", self.name)
-            return None
         return outcome
+
+    def _verify_texts(self, deck: Mapping[str, str]) -> None:
+        """Raise Damaged unless deck and identity.json are what was run: a user may take them for it."""
+        for name, text in {**deck, IDENTITY: json_text(self.identity)}.items():
+            file = self.path / name
+            if not file.is_file():
+                raise Damaged(f"{name} is missing")
+            if file.read_bytes() != text.encode():
+                raise Damaged(f"{name} is not what was run")
 
     def read(self) -> Outcome | None:
         """Return the outcome, None if the run is unfinished. Raises Damaged."""

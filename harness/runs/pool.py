@@ -84,7 +84,7 @@ def run_many(
     progress = progress or Silent()
     workers = max(1, min(workers or usable_cores(), len(plan)))
     futures: dict[Future, _Planned] = {}
-    with _terminable(), nullcontext(executor) if executor else ThreadPoolExecutor(workers) as pool:
+    with terminable(), nullcontext(executor) if executor else ThreadPoolExecutor(workers) as pool:
         try:
             progress.begin([p.job.label for p in plan], [p.cost for p in plan])
             for p in sorted(plan, key=lambda p: -p.cost):
@@ -159,7 +159,7 @@ def _collect(futures: dict[Future, _Planned]) -> list[Done]:
 
 
 @contextmanager
-def _terminable() -> Iterator[None]:
+def terminable() -> Iterator[None]:
     """Let SIGTERM and SIGHUP unwind like Ctrl-C, so that no engine is left computing for nobody.
 
     Signals that somebody handles or ignores (nohup) are left alone; only the main thread may ask.

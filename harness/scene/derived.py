@@ -6,42 +6,29 @@ import math
 from dataclasses import dataclass
 
 from harness.scene.grains import Grains, Pair, grains_of
+from harness.scene.law_scales import HeadOn
+from harness.scene.laws import head_on
 from harness.scene.model import Biaxial, LoadedMotion, Scene, SideWall
-from harness.scene.numerics import (
-    StabilityLimit,
-    StepPlan,
-    collision,
-    contact_time_scale,
-    loaded_walls,
-    plan_steps,
-    stability_limit,
-)
+from harness.scene.numerics import StabilityLimit, StepPlan, loaded_walls, plan_steps, stability_limit
 from harness.scene.system import System
 
 
 @dataclass(frozen=True, kw_only=True)
 class PairScales:
-    """A head-on collision: times in s, restitutions under both cut-offs (the scene has one of them).
+    """A pair of the scene and what its law makes of it head-on."""
 
-    time_scale is the contact time pi/sqrt(k/m* - b^2); of an overdamped pair pi/sqrt(k/m*).
-    """
-
-    name: str
-    reduced_mass: float
-    time_scale: float
-    damping_ratio: float
-    overdamped: bool
-    restitution_allowed: float
-    restitution_clipped: float
+    pair: Pair
+    met: HeadOn
 
 
 @dataclass(frozen=True, kw_only=True)
 class WallScales:
     """A wall with mass: how many particles touch it (estimated), and its times in s.
 
-    period: 2 pi sqrt(M/(n k_n)), as if the particles stood still. damping_time: M/gamma_wall, None
-    without damping. inertia_share, damping_share: largest M x''/(p z) and gamma x'/(p z) while the
-    sample gives way sideways as fast as it is compressed; None where no strain is prescribed.
+    period: 2 pi sqrt(M/(n k_n)) with the law's largest stiffness, as if the particles stood still.
+    damping_time: M/gamma_wall, None without damping. inertia_share, damping_share: largest M x''/(p z)
+    and gamma x'/(p z) while the sample gives way sideways as fast as it is compressed; None where no
+    strain is prescribed.
     """
 
     name: str
@@ -72,7 +59,7 @@ class Derived:
     @property
     def steps_per_contact(self) -> float:
         """Time scale of the smallest pair over dt."""
-        return self.pairs[0].time_scale / self.plan.dt
+        return self.pairs[0].met.time_scale / self.plan.dt
 
 
 def derive(scene: Scene, system: System | None = None) -> Derived:
@@ -81,21 +68,11 @@ def derive(scene: Scene, system: System | None = None) -> Derived:
     return Derived(
         grains=grains,
         packed=system is not None,
-        pairs=tuple(pair_scales(scene, pair) for pair in grains.pairs),
+        pairs=tuple(PairScales(pair=pair, met=head_on(scene.contact.normal, pair)) for pair in grains.pairs),
         plan=plan_steps(scene, grains),
         stability=stability_limit(scene, grains),
         walls=tuple(wall_scales(scene, name, wall, grains) for name, wall in loaded_walls(scene)),
         inertial_number=peak_inertial_number(scene, system) if isinstance(scene, Biaxial) else None,
-    )
-
-
-def pair_scales(scene: Scene, pair: Pair) -> PairScales:
-    """Return the head-on collision of a pair (closed forms: `reference.analytic.linear_collision`)."""
-    law = collision(scene.contact.normal, pair.reduced_mass)
-    return PairScales(
-        name=pair.name, reduced_mass=pair.reduced_mass, time_scale=contact_time_scale(law),
-        damping_ratio=law.damping_ratio, overdamped=law.overdamped,
-        restitution_allowed=law.restitution("allowed"), restitution_clipped=law.restitution("clipped"),
     )
 
 
@@ -122,7 +99,7 @@ def wall_scales(scene: Scene, name: str, wall: LoadedMotion | SideWall, grains: 
 
     eps'' is at most pi^2 eps_f/(2 T^2) of the cosine, at its ends.
     """
-    contacts = grains.per_wall
+    contacts, stiffness = grains.per_wall, head_on(scene.contact.normal, grains.heaviest).stiffness
     inertia = damping = None
     if isinstance(scene, Biaxial):
         acceleration = math.pi**2 * scene.top.final_strain / (2 * scene.top.duration**2)
@@ -130,7 +107,7 @@ def wall_scales(scene: Scene, name: str, wall: LoadedMotion | SideWall, grains: 
         damping = wall.damping * peak_strain_rate(scene) / wall.pressure
     return WallScales(
         name=name, contacts=contacts,
-        period=2 * math.pi * math.sqrt(wall.mass / (contacts * scene.contact.normal.normal_stiffness)),
+        period=2 * math.pi * math.sqrt(wall.mass / (contacts * stiffness)),
         damping_time=wall.mass / wall.damping if wall.damping else None,
         inertia_share=inertia, damping_share=damping,
     )

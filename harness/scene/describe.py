@@ -3,14 +3,26 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
+from typing import NamedTuple
 
 from msgspec import inspect as types
 
 from harness.scene.model import Scene
 
 Key = str | int
+
+MOST_PLACES = 3
+"""Places that a message names."""
+
+
+class Home(NamedTuple):
+    """A place of the schema, arrays as []; field and tag (`kind`, `cosine`) if only some tables there have it."""
+
+    path: str
+    field: str
+    tag: str
 
 
 @cache
@@ -87,6 +99,24 @@ def nearest(word: object, known: Iterable[str]) -> str:
     return f"did you mean {match[0]}?" if match else ""
 
 
+def elsewhere(key: str, data: object, keys: Sequence[Key]) -> str:
+    """Return "did you mean ...?" with the places that have this very key, which the table at `keys` has not; else "".
+
+    Places in a scene of the kind of `data` come first; a table that has the key under another `kind` or
+    `law` is named with it.
+    """
+    chosen = _table(scene_type(), data)
+    others = [t for t in _unwrap(scene_type()) if t is not chosen]
+    for root, note in [(chosen, ""), *((t, f" of a scene with {t.tag_field} = \"{t.tag}\"") for t in others)]:
+        homes = [h for h in _homes(root, "") if h.path.rpartition(".")[2] == key]
+        here = "".join("[]" if isinstance(k, int) else f".{k}" for k in [*keys, key]).lstrip(".")
+        places = dict.fromkeys(h.path for h in homes if h.path == here) or dict.fromkeys(h.path for h in homes)
+        words = [p + _with_tags([h for h in homes if h.path == p]) for p in places]
+        if words:
+            return f"did you mean {either(words[:MOST_PLACES])}{note}?"
+    return ""
+
+
 def either(words: Iterable[str]) -> str:
     """Join words: "a, b or c"."""
     words = list(words)
@@ -142,6 +172,26 @@ def _table(node: types.Type, data: object) -> types.StructType:
     structs = [t for t in _unwrap(node) if isinstance(t, types.StructType)]
     tagged = [t for t in structs if t.tag is not None and value_at(data, [t.tag_field]) == t.tag]
     return (tagged or structs)[0]
+
+
+def _homes(node: types.Type, path: str) -> Iterator[Home]:
+    """Yield every key at and below a place of the schema."""
+    inner = _unwrap(node)
+    structs = [t for t in inner if isinstance(t, types.StructType)]
+    for struct in structs:
+        for field in struct.fields:
+            name = field.encode_name
+            place = f"{path}.{name}".lstrip(".")
+            everywhere = all(name in [f.encode_name for f in t.fields] for t in structs)
+            yield Home(place, "" if everywhere else struct.tag_field, "" if everywhere else struct.tag)
+            yield from _homes(field.type, place)
+    for array in (t for t in inner if isinstance(t, types.VarTupleType)):
+        yield from _homes(array.item_type, f"{path}[]")
+
+
+def _with_tags(homes: list[Home]) -> str:
+    tags = dict.fromkeys(f'"{h.tag}"' for h in homes if h.tag)
+    return f" with {homes[0].field} = {either(tags)}" if tags else ""
 
 
 def _unwrap(node: types.Type) -> list[types.Type]:

@@ -1,20 +1,30 @@
-"""Which physical effects a scene calls for, which it does not, and the table that says so."""
+"""Which physical effects a scene calls for, which it does not, and the table that says so.
+
+An effect that several laws can bring is one row for people, with the law in its reason, and one name a law
+for engines (``normal contact: hertz``), because an engine stands to each law in its own way.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import get_args
 
 from harness.scene.fault import show
+from harness.scene.laws import NORMAL, TANGENTIAL, normal_row, turning, word
 from harness.scene.model import (
     Background,
     Biaxial,
     ConstantMotion,
     CosineMotion,
-    LinearNormal,
     LoadedMotion,
+    NormalLaw,
+    RollingLaw,
     Scene,
+    SlidingLaw,
     SpringSliding,
+    SpringTorsion,
+    Table,
 )
 from harness.scene.system import Constant, Cosine, Loaded, System
 
@@ -37,8 +47,10 @@ class Effect:
 class Parts:
     """What decides on effects, of a scene or of a system alike; walls by name."""
 
-    normal: LinearNormal
-    sliding: SpringSliding | None
+    normal: NormalLaw
+    sliding: SlidingLaw | None
+    rolling: RollingLaw | None
+    torsion: SpringTorsion | None
     background: Background | None
     gravity: tuple[float, ...] | None
     periodic: tuple[float, ...] | None
@@ -52,7 +64,8 @@ class Parts:
 class Kind:
     """An effect that scenes can call for: where they do, whether these parts do, and what it means.
 
-    find returns what stands there when the effect is on, "" when it is off.
+    find returns what stands there when the effect is on, "" when it is off. law returns the law that
+    brings it, of the `laws` that can.
     """
 
     place: str
@@ -60,6 +73,8 @@ class Kind:
     absent: str
     brings: str
     without: str
+    laws: tuple[str, ...] = ()
+    law: Callable[[Parts], Table | None] = lambda _: None
 
 
 def effects(scene: Scene, system: System | None = None) -> tuple[Effect, ...]:
@@ -70,16 +85,17 @@ def effects(scene: Scene, system: System | None = None) -> tuple[Effect, ...]:
 
 
 def effects_on(system: System) -> tuple[str, ...]:
-    """Return the names of the effects that an engine must compute for this system."""
+    """Return the names of the effects that an engine must compute for this system, as in `EFFECT_NAMES`."""
     parts = parts_of_system(system)
-    return tuple(name for name, kind in EFFECTS.items() if kind.find(parts))
+    on = ((name, kind.law(parts)) for name, kind in EFFECTS.items() if kind.find(parts))
+    return tuple(name if law is None else _with_law(name, word(law)) for name, law in on)
 
 
 def parts_of_system(system: System) -> Parts:
     """Return the parts of resolved numbers."""
     return Parts(
-        normal=system.normal, sliding=system.sliding, background=system.background,
-        gravity=system.gravity, periodic=system.periodic,
+        normal=system.normal, sliding=system.sliding, rolling=system.rolling, torsion=system.torsion,
+        background=system.background, gravity=system.gravity, periodic=system.periodic,
         rough=tuple(w.name for w in system.walls if w.friction),
         driven=tuple(w.name for w in system.walls if isinstance(w.motion, Constant | Cosine)),
         loaded=tuple(w.name for w in system.walls if isinstance(w.motion, Loaded)),
@@ -89,7 +105,11 @@ def parts_of_system(system: System) -> Parts:
 
 def parts_of_scene(scene: Scene) -> Parts:
     """Return the parts of a scene, before its particles are known."""
-    shared = {"normal": scene.contact.normal, "sliding": scene.contact.sliding, "background": scene.background}
+    contact = scene.contact
+    shared = {
+        "normal": contact.normal, "sliding": contact.sliding, "rolling": contact.rolling,
+        "torsion": contact.torsion, "background": scene.background,
+    }
     if isinstance(scene, Biaxial):
         return Parts(
             **shared, gravity=None, periodic=None, rough=(), driven=("top",), loaded=("right",), spinning=False
@@ -110,22 +130,43 @@ def _effect(name: str, kind: Kind, found: str, place: str | None) -> Effect:
     )
 
 
+def _with_law(name: str, law: str) -> str:
+    return f"{name}: {law}"
+
+
+def _words(laws: tuple[type, ...]) -> tuple[str, ...]:
+    return tuple(law.__struct_config__.tag for law in laws)
+
+
 def _damping(parts: Parts) -> str:
-    gamma = parts.normal.normal_damping
-    return f"{gamma:g} kg/s" if gamma else ""
+    return normal_row(parts.normal).damping(parts.normal)
 
 
 def _attraction(parts: Parts) -> str:
-    return "allowed" if parts.normal.attraction == "allowed" and parts.normal.normal_damping else ""
+    row = normal_row(parts.normal)
+    return "" if row.clips(parts.normal) or not row.damping(parts.normal) else "the law does not clip the dashpot"
 
 
-def _sliding(parts: Parts) -> str:
-    return f"mu = {parts.sliding.shear_friction:g}" if parts.sliding else ""
+def _adhesion(parts: Parts) -> str:
+    return normal_row(parts.normal).adhesion(parts.normal)
+
+
+def _numbers(law: Table | None) -> str:
+    """Return a law's word and numbers, "" without a law."""
+    row = NORMAL.get(type(law)) or TANGENTIAL.get(type(law))
+    return f"{word(law)}, {row.numbers(law)}" if row else ""
+
+
+def _dynamic_friction(parts: Parts) -> str:
+    sliding = parts.sliding
+    on = isinstance(sliding, SpringSliding) and sliding.dynamic_friction is not None
+    return f"mu_d = {sliding.dynamic_friction:g} once it slides" if on else ""
 
 
 def _rotation(parts: Parts) -> str:
-    if parts.sliding:
-        return "friction turns the particles"
+    found = turning(parts)
+    if found:
+        return f"{' and '.join(found)} turn{'s' * (len(found) == 1)} the particles"
     return "initial spins, which nothing changes" if parts.spinning else ""
 
 
@@ -139,27 +180,51 @@ def _names(walls: tuple[str, ...]) -> str:
 
 EFFECTS: dict[str, Kind] = {
     "normal contact": Kind(
-        place="contact.normal", find=lambda p: f"k_n = {p.normal.normal_stiffness:g} N/m",
-        absent="", brings="repulsion that grows with the overlap", without="",
+        place="contact.normal", find=lambda p: _numbers(p.normal), absent="",
+        brings="repulsion that grows with the overlap", without="",
+        laws=_words(tuple(NORMAL)), law=lambda p: p.normal,
     ),
     "normal damping": Kind(
-        place="contact.normal.normal_damping", find=_damping, absent="0",
-        brings="energy loss in collisions: restitution below 1", without="elastic collisions",
+        place="contact.normal", find=_damping, absent="normal_damping = 0, or restitution = 1",
+        brings="a dashpot that takes energy in collisions", without="no dashpot",
     ),
     "damping attraction": Kind(
-        place="contact.normal.attraction", find=_attraction, absent="clipped, or no damping that could pull",
-        brings="the dashpot may hold bodies back just before they part", without="contact forces never pull",
+        place="contact.normal", find=_attraction, absent="clipped, or no damping that could pull",
+        brings="the dashpot may hold bodies back just before they part", without="no dashpot ever pulls",
+    ),
+    "adhesion": Kind(
+        place="contact.normal", find=_adhesion, absent="nothing attracts",
+        brings="contacts that pull, and may not part", without="springs only push",
+    ),
+    "plastic memory": Kind(
+        place="contact.normal.law", find=lambda p: normal_row(p.normal).remembers, absent="the law has no memory",
+        brings="unloading differs from loading: energy stays in the contact", without="loading and unloading are one",
     ),
     "sliding friction": Kind(
-        place="contact.sliding", find=_sliding, absent="no table",
-        brings="tangential spring with history and Coulomb limit", without="no tangential force, no history",
+        place="contact.sliding", find=lambda p: _numbers(p.sliding), absent="no table",
+        brings="tangential force up to Coulomb's limit", without="no tangential force, no history",
+        laws=_words(get_args(SlidingLaw)), law=lambda p: p.sliding,
+    ),
+    "dynamic friction": Kind(
+        place="contact.sliding.dynamic_friction", find=_dynamic_friction, absent="no such number",
+        brings="a lower limit while a contact slides", without="one coefficient, sliding or not",
+    ),
+    "rolling resistance": Kind(
+        place="contact.rolling", find=lambda p: _numbers(p.rolling), absent="no table",
+        brings="couples against rolling over each other", without="contacts roll freely",
+        laws=_words(get_args(RollingLaw)), law=lambda p: p.rolling,
+    ),
+    "torsion resistance": Kind(
+        place="contact.torsion", find=lambda p: _numbers(p.torsion), absent="no table",
+        brings="couples against twisting about the normal", without="contacts twist freely",
+        laws=_words((SpringTorsion,)), law=lambda p: p.torsion,
     ),
     "wall friction": Kind(
         place="planes.friction", find=lambda p: _names(p.rough), absent="no wall with friction",
-        brings="walls carry shear and turn particles", without="smooth walls: normal forces only",
+        brings="the tangential laws act at these walls too", without="smooth walls: normal forces only",
     ),
     "rotation": Kind(
-        place="contact.sliding", find=_rotation, absent="no table: no torque acts",
+        place="contact", find=_rotation, absent="no law that turns particles: no torque acts",
         brings="spins and moments of inertia", without="no spin, no moment of inertia",
     ),
     "background drag": Kind(
@@ -184,6 +249,11 @@ EFFECTS: dict[str, Kind] = {
     ),
 }
 """All effects by name; a new one is one row here."""
+
+EFFECT_NAMES = tuple(
+    name for effect, kind in EFFECTS.items() for name in ([_with_law(effect, w) for w in kind.laws] or [effect])
+)
+"""What engines are asked about, in order: an effect's name, with the word of the law where it has several."""
 
 BOX_PLACES = {"driven walls": "top", "loaded walls": "side", "wall friction": "kind"}
 """Where the biaxial box says what free scenes say of their planes."""

@@ -11,8 +11,12 @@ import msgspec
 from harness.scene.derived import Derived, PairScales, WallScales, derive
 from harness.scene.effects import effects
 from harness.scene.fault import path_text, show
-from harness.scene.model import Scene
+from harness.scene.model import Free, Scene
+from harness.scene.overlaps import initial_overlaps
 from harness.scene.system import System
+
+NOT_AVAILABLE = "not available"
+"""Value of what no closed form gives; the remark says why."""
 
 QUASISTATIC = 1e-3
 """Inertial number below which dense flow hardly depends on the rate (GDR MiDi, Eur. Phys. J. E 14, 341 (2004))."""
@@ -40,7 +44,7 @@ Section = tuple[str, list[Row]]
 def explain(
     scene: Scene, system: System | None = None, engines_expected: Mapping[str, float] | None = None
 ) -> list[Section]:
-    """Return titled rows; `engines_expected` has the minutes that a run is expected to take, by engine.
+    """Return titled rows; `engines_expected` has the seconds that a run is expected to take, by engine.
 
     Without a system (see `harness.scene.resolve.known_system`) averages over particles are those of
     the declared distribution.
@@ -48,12 +52,12 @@ def explain(
     derived = derive(scene, system)
     sections = [
         ("scene", list(_scene_rows(scene))),
-        ("particles", list(_particle_rows(derived))),
-        ("contacts", [row for pair in derived.pairs for row in _pair_rows(scene, pair)]),
+        ("particles", [*_particle_rows(derived), *_overlap_rows(scene, system)]),
+        ("contacts", [row for pair in derived.pairs for row in _pair_rows(pair)]),
         ("time step", list(_step_rows(scene, derived))),
         ("drive", list(_drive_rows(derived))),
         ("effects", list(_effect_rows(scene, system))),
-        ("expected run time", [Row(name=e, value=t, unit="min") for e, t in (engines_expected or {}).items()]),
+        ("expected run time", [_time_row(e, seconds) for e, seconds in (engines_expected or {}).items()]),
     ]
     return [(title, rows) for title, rows in sections if rows]
 
@@ -97,16 +101,25 @@ def _particle_rows(derived: Derived) -> Iterator[Row]:
         yield Row(name="height of the box", value=grains.side, unit="m", note=note)
 
 
-def _pair_rows(scene: Scene, pair: PairScales) -> Iterator[Row]:
-    formula = "pi/sqrt(k/m* - b^2)"
-    if pair.overdamped:
-        formula = f"pi/sqrt(k/m*), as the pair is overdamped (b/omega_0 = {pair.damping_ratio:.3g}): no contact time"
-    yield Row(name=f"contact time, {pair.name} pair", value=pair.time_scale, unit="s", note=formula)
-    yield Row(name=f"damping ratio, {pair.name} pair", value=pair.damping_ratio, note="b/omega_0; 1 is critical")
-    chosen = scene.contact.normal.attraction
-    for cutoff, value in (("allowed", pair.restitution_allowed), ("clipped", pair.restitution_clipped)):
-        note = "as in the scene" if cutoff == chosen else "for comparison"
-        yield Row(name=f"restitution, {pair.name} pair, attraction {cutoff}", value=value, note=note)
+def _overlap_rows(scene: Scene, system: System | None) -> Iterator[Row]:
+    """Yield how many placed bodies touch at the start; a packing is relaxed first, so it has no such row."""
+    if not isinstance(scene, Free) or system is None:
+        return
+    size = initial_overlaps(system).size
+    note = f"largest {size.max():.4g} m; of bodies with bodies and walls" if len(size) else "nothing touches"
+    yield Row(name="initial overlaps", value=len(size), note=note)
+
+
+def _pair_rows(scales: PairScales) -> Iterator[Row]:
+    met, which = scales.met, f"{scales.pair.name} pair"
+    yield Row(name=f"{met.time_name}, {which}", value=met.time_scale, unit="s", note=met.time_note)
+    for fact in met.facts:
+        what, _, details = fact.name.partition(", ")
+        name = ", ".join(part for part in (what, which, details) if part)
+        if fact.value is None:
+            yield Row(name=name, value=NOT_AVAILABLE, note=fact.note)
+        else:
+            yield Row(name=name, value=fact.value, unit=fact.unit, note=fact.note)
 
 
 def _step_rows(scene: Scene, derived: Derived) -> Iterator[Row]:
@@ -141,6 +154,12 @@ def _wall_rows(wall: WallScales) -> Iterator[Row]:
         if share is not None:
             note = "of p z, while the sample gives way sideways as fast as it is compressed"
             yield Row(name=f'{name} of the wall "{wall.name}"', value=share, note=note)
+
+
+def _time_row(engine: str, seconds: float) -> Row:
+    value, unit = (seconds, "s") if seconds < 60 else (seconds / 60, "min")
+    note = "rough, on one core, with the engine's start-up"
+    return Row(name=engine, value=float(f"{value:.2g}"), unit=unit, note=note)
 
 
 def _effect_rows(scene: Scene, system: System | None) -> Iterator[Row]:

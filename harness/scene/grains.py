@@ -17,10 +17,15 @@ AREA_FRACTION = 0.84
 
 @dataclass(frozen=True, kw_only=True)
 class Pair:
-    """Two particles that touch, or one that touches a wall: reduced mass m* in kg and what they are."""
+    """Two particles that touch, or one that touches a wall, and what they are.
+
+    reduced_mass: m* = m_i m_j/(m_i + m_j), kg, at a wall m_i. reduced_radius: R* = a_i a_j/(a_i + a_j), m,
+    at a wall a_i.
+    """
 
     name: str
     reduced_mass: float
+    reduced_radius: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,6 +34,9 @@ class Grains:
 
     count; mean_mass, total_mass in kg; largest_radius in m; pairs: the smallest, mean and largest one.
     inverse_mass, inverse_turning: largest 1/m and 1/(q m) of a particle in 1/kg, q from I = q m a^2.
+    lightest: no contact of the lightest particle is stiffer than this one. heaviest: no contact is stiffer.
+    turning_share: what one rolling or torsion spring k adds to w^2 of a spin, over k/(q m): 2 (a_ij/a_i)^2
+    between particles that turn against each other, a_ij/a_i at most a_max/(a_min + a_max); 1 at a wall.
     side: length of the box (m) along a wall, None when there is no box; per_wall: particles that
     touch one wall of that length.
     """
@@ -41,6 +49,9 @@ class Grains:
     pairs: tuple[Pair, ...]
     inverse_mass: float
     inverse_turning: float
+    lightest: Pair
+    heaviest: Pair
+    turning_share: float
     side: float | None = None
     per_wall: float = 1.0
 
@@ -89,11 +100,14 @@ def _(scene: Biaxial, particles: Particles | None = None, side: float | None = N
 def _(scene: Free, particles: Particles | None = None, side: float | None = None) -> Grains:  # noqa: ARG001
     """Masses as given; a single particle can touch walls only."""
     p = particles
+    low, high = float(p.radius.min()), float(p.radius.max())
     return Grains(
         dimension=scene.dimension, count=len(p), mean_mass=float(p.mass.mean()), total_mass=float(p.mass.sum()),
-        largest_radius=float(p.radius.max()), pairs=_free_pairs(np.sort(p.mass)),
+        largest_radius=high, pairs=_free_pairs(p),
         inverse_mass=float(1.0 / p.mass.min()), inverse_turning=float(1.0 / (p.inertia_factor * p.mass).min()),
-        per_wall=_touching_loaded_walls(scene, p),
+        lightest=Pair(name="lightest", reduced_mass=float(p.mass.min()), reduced_radius=high),
+        heaviest=Pair(name="heaviest", reduced_mass=float(p.mass.max()), reduced_radius=high),
+        turning_share=_turning_share(low, high), per_wall=_touching_loaded_walls(scene, p),
     )
 
 
@@ -105,24 +119,35 @@ def _box_grains(scene: Biaxial, count: int, low: float, high: float, moments: li
     least = mass_of(law, low)
     return Grains(
         dimension=2, count=count, mean_mass=mean, total_mass=count * mean, largest_radius=high,
-        pairs=tuple(Pair(name=n, reduced_mass=mass_of(law, a) / 2) for n, a in radii.items()),
+        pairs=tuple(Pair(name=n, reduced_mass=mass_of(law, a) / 2, reduced_radius=a / 2) for n, a in radii.items()),
         inverse_mass=1 / least, inverse_turning=1 / (q * least),
-        side=side, per_wall=max(1.0, side / (2 * moments[0])),
+        lightest=Pair(name="lightest", reduced_mass=least, reduced_radius=high),
+        heaviest=Pair(name="heaviest", reduced_mass=mass_of(law, high), reduced_radius=high),
+        turning_share=_turning_share(low, high), side=side, per_wall=max(1.0, side / (2 * moments[0])),
     )
 
 
-def _free_pairs(mass: np.ndarray) -> tuple[Pair, ...]:
-    """Pairs of the two lightest, of two mean and of the two heaviest; `mass` (N,) in rising order."""
+def _free_pairs(particles: Particles) -> tuple[Pair, ...]:
+    """Pairs of the two lightest, of two mean and of the two heaviest particles."""
+    order = np.lexsort((particles.radius, particles.mass))
+    mass, radius = particles.mass[order], particles.radius[order]
     if len(mass) == 1:
-        return (Pair(name="particle and wall", reduced_mass=float(mass[0])),)
+        return (Pair(name="particle and wall", reduced_mass=float(mass[0]), reduced_radius=float(radius[0])),)
     if len(mass) == 2:
-        return (Pair(name="only", reduced_mass=float(mass.prod() / mass.sum())),)
-    light, heavy = mass[:2], mass[-2:]
-    return (
-        Pair(name="smallest", reduced_mass=float(light.prod() / light.sum())),
-        Pair(name="mean mass", reduced_mass=float(mass.mean() / 2)),
-        Pair(name="largest", reduced_mass=float(heavy.prod() / heavy.sum())),
+        return (_pair("only", mass, radius),)
+    mean = Pair(name="mean mass", reduced_mass=float(mass.mean() / 2), reduced_radius=float(radius.mean() / 2))
+    return (_pair("smallest", mass[:2], radius[:2]), mean, _pair("largest", mass[-2:], radius[-2:]))
+
+
+def _pair(name: str, mass: np.ndarray, radius: np.ndarray) -> Pair:
+    """Return the pair of two particles; mass (2,) in kg, radius (2,) in m."""
+    return Pair(
+        name=name, reduced_mass=float(mass.prod() / mass.sum()), reduced_radius=float(radius.prod() / radius.sum())
     )
+
+
+def _turning_share(low: float, high: float) -> float:
+    return max(1.0, 2 * (high / (low + high)) ** 2)
 
 
 def _touching_loaded_walls(scene: Free, particles: Particles) -> float:

@@ -110,7 +110,7 @@ def _unknown_key(data: dict, keys: list) -> Fault:
     key = next(k for k in table if k not in known)
     return Fault(
         place=path_text([*keys, key]), expected=f"one of {', '.join(known)}", got=f"the unknown key {show(key)}",
-        fix=describe.nearest(key, known),
+        fix=describe.elsewhere(key, data, keys) or describe.nearest(key, known),
     )
 
 

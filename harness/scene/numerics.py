@@ -8,11 +8,17 @@ from dataclasses import dataclass
 
 from harness.scene.fault import Fault
 from harness.scene.grains import Grains
-from harness.scene.model import Biaxial, Contact, LinearNormal, LoadedMotion, Scene, SideWall
-from reference.analytic.linear_collision import LinearCollision
+from harness.scene.laws import Springs, head_on, tangential_springs
+from harness.scene.model import Biaxial, Contact, LoadedMotion, NormalLaw, Scene, SideWall
 
 MOST_STEPS = 2_000_000_000
 """Step counters of the engines are 32-bit integers."""
+
+USUAL_FRACTION = 0.02
+"""Of a contact time: a usual time step."""
+
+DEEPEST = 0.5
+"""Largest overlap of an impact over R* that a law for small overlaps is taken to."""
 
 COORDINATION = {2: 6, 3: 12}
 """Neighbours in the densest packing of equal particles: triangular lattice, FCC."""
@@ -30,28 +36,16 @@ class StepPlan:
 
 @dataclass(frozen=True, kw_only=True)
 class StabilityLimit:
-    """Largest stable dt (s) and the part of the system that sets it ("particles" or a wall's name)."""
+    """Largest stable dt (s), the part of the system that sets it ("particles" or a wall's name), its zeta."""
 
     dt: float
     part: str
-
-
-def collision(normal: LinearNormal, reduced_mass: float) -> LinearCollision:
-    """Return the head-on collision of a pair of this reduced mass (kg) under the scene's law."""
-    return LinearCollision(
-        stiffness=normal.normal_stiffness, damping=normal.normal_damping, reduced_mass=reduced_mass
-    )
-
-
-def contact_time_scale(pair: LinearCollision) -> float:
-    """t_c = pi/sqrt(w0^2 - b^2), or pi/w0 for an overdamped pair, which has no contact time."""
-    return math.pi / (pair.natural_frequency if pair.overdamped else pair.frequency)
+    damping_ratio: float
 
 
 def requested_step(scene: Scene, grains: Grains) -> float:
     """Return dt_fraction times the time scale of the smallest pair, s."""
-    smallest = collision(scene.contact.normal, grains.pairs[0].reduced_mass)
-    return scene.numerics.dt_fraction * contact_time_scale(smallest)
+    return scene.numerics.dt_fraction * head_on(scene.contact.normal, grains.pairs[0]).time_scale
 
 
 def plan_steps(scene: Scene, grains: Grains) -> StepPlan:
@@ -77,17 +71,23 @@ def stability_limit(scene: Scene, grains: Grains) -> StabilityLimit:
         dt < (2/w) (sqrt(1 + zeta^2) - zeta)
 
     (at the limit the growth factor of the leapfrog is -1: 4 - (w dt)^2 - 4 zeta w dt = 0).
-    Particles: w^2 = Z max[k_n + k_t (1 + 1/q), 2 k_t/q] / m_min with Z = 6 in 2D, 12 in 3D, and
-    2 zeta w the same with dashpots for springs, plus the background drag over m_min. In 2D the two
+    Particles: w^2 = Z {max[k_n + k_t (1 + 1/q), 2 k_t/q] + s k_r/q} / m_min with Z = 6 in 2D, 12 in 3D,
+    and 2 zeta w the same with dashpots for springs, plus the background drag over m_min. In 2D the two
     cases bound the translations (w^2 = 6 k/m without friction, exact) and the spins of a triangular
-    lattice of equal particles; 12 lies above the exact 8 of FCC. A wall with mass M touched by n
-    particles: w^2 = 2 n k_n/M, 2 zeta w = (2 n gamma_n + gamma_wall)/M.
-    Dense disc packings became unstable at 1.2 times this limit or later (measured, LAMMPS and LIGGGHTS).
+    lattice of equal particles; 12 lies above the exact 8 of FCC. k_r, the larger one of the rolling and
+    the torsion stiffness, which act about axes at right angles, adds at most s k_r/q to either
+    (s: `Grains.turning_share`). A wall with mass M touched by n particles: w^2 = 2 n k_n/M,
+    2 zeta w = (2 n gamma_n + gamma_wall)/M.
+
+    k_n, k_t and their dashpots are the largest that the laws show: k_2 or k_p of a hysteretic law; of laws
+    that stiffen, those at the largest overlap of an impact at `impact_speed`.
+    Dense disc packings became unstable at 1.2 times this limit or later (measured with linear laws, LAMMPS
+    and LIGGGHTS).
     """
     square, rate = _particle_rates(scene.contact, grains)
     if scene.background:
         rate += scene.background.translational_drag * grains.inverse_mass
-    limits = [StabilityLimit(dt=leapfrog_limit(square, rate), part="particles")]
+    limits = [_limit("particles", square, rate)]
     limits += [_wall_limit(name, wall, scene.contact.normal, grains) for name, wall in loaded_walls(scene)]
     return min(limits, key=lambda limit: limit.dt)
 
@@ -106,6 +106,7 @@ def loaded_walls(scene: Scene) -> list[tuple[str, LoadedMotion | SideWall]]:
 
 def numerics_faults(scene: Scene, grains: Grains) -> Iterator[Fault]:
     """Yield what is wrong with time step and outputs."""
+    yield from _deep_impact_fault(scene.contact.normal, grains)
     yield from _stability_fault(scene, grains)
     needed = _steps_needed(scene, grains)
     if needed > MOST_STEPS:
@@ -133,8 +134,17 @@ def _stability_fault(scene: Scene, grains: Grains) -> Iterator[Fault]:
         expected=f"at most {largest:.3g}, the stability limit dt = 2/omega (sqrt(1 + zeta^2) - zeta) "
         f"= {limit.dt:.3g} s of the {limit.part}",
         got=f"{scene.numerics.dt_fraction:g} (dt = {dt:.3g} s)",
-        fix="lower it; 0.02 to 0.05 is usual" if limit.part == "particles" else "lower it, or make the wall heavier",
+        fix=_stability_fix(limit, largest),
     )
+
+
+def _stability_fix(limit: StabilityLimit, largest: float) -> str:
+    """Name what else would help: beyond zeta = 1 damping shortens the step more than stiffness does."""
+    if limit.part != "particles":
+        return "lower it, or make the wall heavier"
+    if limit.damping_ratio > 1:
+        return f"lower it, or the damping: zeta = {limit.damping_ratio:.3g} is what makes the limit so small"
+    return "lower it; 0.02 to 0.05 is usual" if largest >= USUAL_FRACTION else "lower it"
 
 
 def _steps_needed(scene: Scene, grains: Grains) -> int:
@@ -142,25 +152,45 @@ def _steps_needed(scene: Scene, grains: Grains) -> int:
     return max(1, math.ceil(scene.duration / requested_step(scene, grains) - 1e-9))
 
 
+def _deep_impact_fault(normal: NormalLaw, grains: Grains) -> Iterator[Fault]:
+    """Laws for small overlaps mean nothing when bodies run into each other's cores."""
+    for pair in grains.pairs:
+        overlap = head_on(normal, pair).largest_overlap
+        if overlap is not None and overlap > DEEPEST * pair.reduced_radius:
+            yield Fault(
+                place="contact.normal.impact_speed", fix="lower it, or make the bodies stiffer",
+                expected=f"a speed at which the overlap stays below R*/2 = {DEEPEST * pair.reduced_radius:.3g} m",
+                got=f"{normal.impact_speed:g}, which presses the {pair.name} pair {overlap:.3g} m together",
+            )
+
+
 def _particle_rates(contact: Contact, grains: Grains) -> tuple[float, float]:
     """W^2 (1/s^2) and 2 zeta w (1/s) of the fastest mode of the particles."""
-    normal, sliding = contact.normal, contact.sliding
-    stiffness = (normal.normal_stiffness, sliding.shear_stiffness if sliding else 0.0)
-    damping = (normal.normal_damping, sliding.shear_damping if sliding else 0.0)
-    return _network_rate(stiffness, grains), _network_rate(damping, grains)
+    met = head_on(contact.normal, grains.lightest)
+    laws = (contact.sliding, contact.rolling, contact.torsion)
+    sliding, rolling, torsion = (tangential_springs(law, contact.normal, met) for law in laws)
+    turning = Springs(*(max(pair) for pair in zip(rolling, torsion, strict=True)))
+    stiffness = _network_rate(met.stiffness, sliding.stiffness, turning.stiffness, grains)
+    return stiffness, _network_rate(met.damping, sliding.damping, turning.damping, grains)
 
 
-def _network_rate(normal_shear: tuple[float, float], grains: Grains) -> float:
-    """Z max[c_n + c_t (1 + 1/q), 2 c_t/q] / m_min for springs or dashpots c."""
-    normal, shear = normal_shear
+def _network_rate(normal: float, shear: float, turning: float, grains: Grains) -> float:
+    """Z {max[c_n + c_t (1 + 1/q), 2 c_t/q] + s c_r/q} / m_min for springs or dashpots c."""
     both = normal * grains.inverse_mass + shear * (grains.inverse_mass + grains.inverse_turning)
-    return COORDINATION[grains.dimension] * max(both, 2 * shear * grains.inverse_turning)
+    spins = grains.turning_share * turning * grains.inverse_turning
+    return COORDINATION[grains.dimension] * (max(both, 2 * shear * grains.inverse_turning) + spins)
 
 
-def _wall_limit(name: str, wall: LoadedMotion | SideWall, normal: LinearNormal, grains: Grains) -> StabilityLimit:
-    contacts = 2 * grains.per_wall
-    square = contacts * normal.normal_stiffness / wall.mass
-    rate = (contacts * normal.normal_damping + wall.damping) / wall.mass
-    return StabilityLimit(dt=leapfrog_limit(square, rate), part=f'wall "{name}"')
+def _wall_limit(name: str, wall: LoadedMotion | SideWall, normal: NormalLaw, grains: Grains) -> StabilityLimit:
+    contacts, met = 2 * grains.per_wall, head_on(normal, grains.heaviest)
+    square = contacts * met.stiffness / wall.mass
+    rate = (contacts * met.damping + wall.damping) / wall.mass
+    return _limit(f'wall "{name}"', square, rate)
+
+
+def _limit(part: str, square: float, rate: float) -> StabilityLimit:
+    return StabilityLimit(
+        dt=leapfrog_limit(square, rate), part=part, damping_ratio=rate / (2 * math.sqrt(square))
+    )
 
 

@@ -9,11 +9,17 @@ from pathlib import Path
 import numpy as np
 
 from harness.scene.fault import Fault, show
+from harness.scene.grains import Pair
+from harness.scene.laws import head_on, stiffens
 from harness.scene.model import Body
+from harness.scene.overlaps import initial_overlaps
 from harness.scene.system import System
 
 COINCIDENT = 1e-9
 """Centres closer than this part of the sum of radii have no direction to push along."""
+
+DEEPEST = 0.5
+"""Largest overlap at the start over the smaller radius: deeper, one body lies in the other, which is a slip."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,36 +82,65 @@ def before_the_walls(system: System, origin: Origin) -> Iterator[Fault]:
             )
 
 
-def centres_apart(system: System, origin: Origin) -> Iterator[Fault]:
-    """Two centres at one place give a contact without a normal."""
-    for i, j in coincident_pairs(system.particles.x, system.particles.radius, system.periodic):
+def overlaps_shallow(system: System, origin: Origin) -> Iterator[Fault]:
+    """Bodies and walls may overlap at the start, but not so far that the contact laws mean nothing."""
+    overlaps = initial_overlaps(system)
+    deepest = DEEPEST * overlaps.smaller
+    for k in np.flatnonzero(overlaps.size > deepest)[:1]:
+        i, j = overlaps.first[k], overlaps.second[k]
+        other = origin.places[i] if j >= 0 else f'the wall "{system.walls[-j - 1].name}"'
         yield Fault(
-            place=origin.at(j, "position"), expected=f"a centre apart from that of {origin.places[i]}",
-            got=f"{show(system.particles.x[j].tolist())} for both",
+            place=origin.at(j if j >= 0 else i, "position"), got=f"{overlaps.size[k]:.3g} m", fix="move them apart",
+            expected=f"an overlap with {other} of at most half the smaller radius, {deepest[k]:.3g} m",
         )
 
 
-PLACEMENT_CHECKS: tuple[Callable[[System, Origin], Iterator[Fault]], ...] = (
-    inside_periodic_box, before_the_walls, centres_apart,
-)
+def overlaps_within_impact(system: System, origin: Origin) -> Iterator[Fault]:
+    """Where a law stiffens, its scales are those of an impact: nothing may start pressed deeper than that."""
+    if not stiffens(system.normal):
+        return
+    mass, radius, overlaps = system.particles.mass, system.particles.radius, initial_overlaps(system)
+    for i, j, size in zip(overlaps.first, overlaps.second, overlaps.size, strict=True):
+        partner = None if j < 0 else j
+        pair = Pair(name="", reduced_mass=_reduced(mass, i, partner), reduced_radius=_reduced(radius, i, partner))
+        deepest = head_on(system.normal, pair).largest_overlap
+        if size > deepest:
+            yield Fault(
+                place=origin.at(i if partner is None else j, "position"), got=f"{size:.3g} m",
+                expected=f"an overlap of at most {deepest:.3g} m, that of an impact at contact.normal.impact_speed",
+                fix="move them apart, or raise impact_speed",
+            )
 
 
-def check_placement(system: System, origin: Origin) -> None:
+def _reduced(values: np.ndarray, i: int, j: int | None) -> float:
+    """Return v_i v_j/(v_i + v_j), at a wall v_i."""
+    return float(values[i] if j is None else values[i] * values[j] / (values[i] + values[j]))
+
+
+def centres_apart(system: System, origin: Origin) -> Iterator[Fault]:
+    """Two centres at one place give a contact without a normal."""
+    overlaps, radius = initial_overlaps(system), system.particles.radius
+    pairs = np.flatnonzero(overlaps.second >= 0)
+    first, second = overlaps.first[pairs], overlaps.second[pairs]
+    reach = radius[first] + radius[second]
+    for k in np.flatnonzero(reach - overlaps.size[pairs] <= COINCIDENT * reach)[:1]:
+        yield Fault(
+            place=origin.at(second[k], "position"), expected=f"a centre apart from that of {origin.places[first[k]]}",
+            got=f"{show(system.particles.x[second[k]].tolist())} for both",
+        )
+
+
+Checks = tuple[Callable[[System, Origin], Iterator[Fault]], ...]
+
+EXPLICIT: Checks = (inside_periodic_box, before_the_walls, overlaps_shallow, overlaps_within_impact)
+"""For bodies that a user has placed."""
+
+PACKED: Checks = (before_the_walls, centres_apart)
+"""For packings: a file of discs may overlap as it likes, as it is relaxed first."""
+
+
+def check_placement(system: System, origin: Origin, checks: Checks) -> None:
     """Raise InputError for the first particle that starts where it may not."""
-    for check in PLACEMENT_CHECKS:
+    for check in checks:
         for fault in check(system, origin):
             raise fault.error(origin.file)
-
-
-def coincident_pairs(x: np.ndarray, radius: np.ndarray, periodic=None) -> list[tuple[int, int]]:
-    """Return index pairs (i < j) of centres x (N, dim) that lie within round-off of each other."""
-    from scipy.spatial import cKDTree
-
-    tree = cKDTree(x, boxsize=periodic)
-    near = tree.query_pairs(COINCIDENT * 2 * float(radius.max()), output_type="ndarray")
-    apart = x[near[:, 0]] - x[near[:, 1]]
-    if periodic is not None:
-        lengths = np.array(periodic)
-        apart -= lengths * np.round(np.divide(apart, lengths, out=np.zeros_like(apart), where=lengths > 0))
-    limit = COINCIDENT * radius[near].sum(axis=1)
-    return sorted((int(i), int(j)) for i, j in near[np.linalg.norm(apart, axis=1) <= limit])

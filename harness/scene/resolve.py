@@ -20,7 +20,7 @@ from harness.scene.fault import Fault
 from harness.scene.grains import Grains, grains_of, inertia_factor, mass_of
 from harness.scene.model import Biaxial, Body, ConstantMotion, CosineMotion, Free, LoadedMotion, Plane, Scene
 from harness.scene.numerics import StepPlan, numerics_faults, plan_steps
-from harness.scene.placement import Origin, check_placement, component_faults
+from harness.scene.placement import EXPLICIT, PACKED, Origin, check_placement, component_faults
 from harness.scene.system import Constant, Cosine, Loaded, Particles, System, Wall
 
 __all__ = [
@@ -87,7 +87,7 @@ def resolve_free(scene: Free, folder: Path, *, name: str = "scene") -> System:
         walls=tuple(_plane_wall(k, plane) for k, plane in enumerate(scene.planes, start=1)),
         **_common(scene, _checked_plan(scene, grains_of(scene, particles), file), name),
     )
-    check_placement(system, origin)
+    check_placement(system, origin, EXPLICIT)
     return system
 
 
@@ -152,7 +152,8 @@ def resolve_biaxial(
         dimension=2, particles=particles, gravity=None, periodic=None, walls=_box_walls(scene, width, height),
         **_common(scene, _checked_plan(scene, grains, file), name),
     )
-    check_placement(system, Origin(file=file, places=[f"disc {k + 1} of the packing" for k in range(len(particles))]))
+    places = [f"disc {k + 1} of the packing" for k in range(len(particles))]
+    check_placement(system, Origin(file=file, places=places), PACKED)
     return system
 
 
@@ -197,7 +198,8 @@ def _height_faults(scene: Biaxial, height: float, grains: Grains):
 
 def _common(scene: Scene, plan: StepPlan, name: str) -> dict:
     return {
-        "normal": scene.contact.normal, "sliding": scene.contact.sliding, "background": scene.background,
+        "normal": scene.contact.normal, "sliding": scene.contact.sliding, "rolling": scene.contact.rolling,
+        "torsion": scene.contact.torsion, "background": scene.background,
         "dt": plan.dt, "steps": plan.steps, "sample_every": plan.sample_every, "frame_every": plan.frame_every,
         "contacts": scene.outputs.contacts, "rotations": scene.outputs.rotations,
         "scene_name": scene_name(name), "title": scene.title,

@@ -13,7 +13,7 @@ from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 
-from harness.scene.model import Background, LinearNormal, SpringSliding
+from harness.scene.model import Background, NormalLaw, RollingLaw, SlidingLaw, SpringTorsion
 
 INERTIA_FACTOR = {"sphere": 0.4, "disc": 0.5, "ring": 1.0}
 """q in I = q m a^2."""
@@ -87,14 +87,14 @@ class System:
 
     `periodic` holds one box length an axis, 0 for open axes; None when no axis is periodic; the box
     starts at the origin. `sample_every`, `frame_every` are in steps and divide `steps`. With `rotations` (2D
-    with sliding only) frames carry the angle that every particle has turned since the start.
+    with a law that turns them only) frames carry the angle that every particle has turned since the start.
     """
 
     dimension: int
     particles: Particles
     walls: tuple[Wall, ...]
-    normal: LinearNormal
-    sliding: SpringSliding | None
+    normal: NormalLaw
+    sliding: SlidingLaw | None
     background: Background | None
     gravity: tuple[float, ...] | None
     periodic: tuple[float, ...] | None
@@ -103,6 +103,8 @@ class System:
     sample_every: int
     frame_every: int
     contacts: bool
+    rolling: RollingLaw | None = None
+    torsion: SpringTorsion | None = None
     rotations: bool = False
     scene_name: str = field(default="scene")
     title: str = field(default="")
@@ -118,7 +120,7 @@ class System:
     def identity(self) -> dict:
         """The system as JSON-able data, particle arrays replaced by their hash."""
         walls = [asdict(w) | {"motion_kind": type(w.motion).__name__} for w in self.walls]
-        effects = {k: _struct(getattr(self, k)) for k in ("normal", "sliding", "background")}
+        effects = {k: _struct(getattr(self, k)) for k in _LAWS}
         plain = {k: getattr(self, k) for k in _PLAIN}
         return {"walls": walls, "particles": self.particles_digest(), **effects, **plain}
 
@@ -134,6 +136,7 @@ class System:
         return replace(self, **changes)
 
 
+_LAWS = ("normal", "sliding", "rolling", "torsion", "background")
 _PLAIN = (
     "dimension", "gravity", "periodic", "dt", "steps", "sample_every", "frame_every", "contacts", "rotations",
 )

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 from harness.errors import InputError
 from harness.packing import Packing, make_packing
-from harness.scene.model import Biaxial, Scene
+from harness.scene.laws import first_stiffness
+from harness.scene.model import MOST_PACKINGS, Biaxial, Scene
 from harness.scene.resolve import needs_packing, resolve
 from harness.scene.system import System
 
@@ -39,6 +40,8 @@ def prepare(
         raise InputError(
             file="--packings", expected="1, as this scene's particles are not drawn at random", got=packings
         )
+    if (packings or 1) > MOST_PACKINGS:
+        raise InputError(file="--packings", expected=f"a number from 1 to {MOST_PACKINGS}", got=packings)
     if not needs_packing(scene):
         return [Prepared(number=0, system=resolve(scene, path), packing=None)]
     count = (packings or scene.compare.packings) if several else 1
@@ -65,7 +68,7 @@ def _packed(
 
 def _start(scene: Biaxial, path: Path, number: int, cache: Path) -> Prepared:
     packing = make_packing(
-        scene.particles, scene.preparation, stiffness=scene.contact.normal.normal_stiffness,
+        scene.particles, scene.preparation, stiffness=first_stiffness(scene.contact.normal),
         seed=(scene.particles.seed or 0) + number, cache=cache, scene_folder=path.parent,
     )
     return Prepared(number=number, system=resolve(scene, path, packing), packing=packing)

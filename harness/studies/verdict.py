@@ -52,10 +52,6 @@ class Rerun:
         words = ["grainproof", "compare", str(self.scene_file), "--engines", ",".join(engines), "--out", str(self.out)]
         return shlex.join([*words, "--packings", str(self.packings)] if self.packings else words)
 
-    def of_scene(self) -> str:
-        """Return the command that shows the scene alone."""
-        return shlex.join(["grainproof", "scene", str(self.scene_file)])
-
 
 def judged(*, deviation: float, tolerance: float, why: str, rerun: str, **facts) -> Check:
     """Return the check of a declared tolerance; a deviation that is not a number differs."""

@@ -8,7 +8,7 @@ walls.dat             the same columns at the frames
 frames.dump           particles with unwrapped positions; with contact output also, per wall, a flag
                       and the force of the wall on the particle
 contacts.total.dump   pairs in contact: distance, normal force, and the tangential force on the first atom
-contacts.springs.dump the same at v = w = 0 without slip, so that the tangential force is -k_t u
+contacts.springs.dump the same at v = w = 0 without slip, so that the tangential force is -k u
 """
 
 from __future__ import annotations
@@ -57,20 +57,22 @@ def read_lammps(
     periodic: Sequence[float] | None,
     inertia_factor: np.ndarray,
     contacts: bool,
-    shear_stiffness: float | None,
+    sliding: bool,
+    spring_stiffness: float | None,
     rotations: bool = False,
 ) -> Trajectory:
     """Read a finished run.
 
     inertia_factor: (N,), q in I = q m R^2. periodic: box length of each axis in m, 0 for open axes,
-    or None. contacts, rotations: did the run write them. shear_stiffness: k_t in N/m, None without sliding.
+    or None. contacts, rotations: did the run write them. sliding: contacts have
+    tangential forces. spring_stiffness: k in N/m of the clones that tell the springs, None if there are no springs.
     Positions are unwrapped: a particle that crosses a periodic boundary goes on.
 
     Raises ReadError (file, line) on files that are missing, cut short, not numbers, or do not
     belong together.
     """
     folder = Path(folder)
-    reader = _Reader(folder, dimension, tuple(planes), periodic, shear_stiffness)
+    reader = _Reader(folder, dimension, tuple(planes), periodic, sliding, spring_stiffness)
     series = reader.table(SERIES)
     particles = read_dump(folder / FRAMES, kind="ATOMS", names=reader.particle_columns(contacts, rotations))
     steps = [step for step, _ in particles]
@@ -101,7 +103,8 @@ class _Reader:
     dimension: int
     planes: tuple[Plane, ...]
     periodic: Sequence[float] | None
-    shear_stiffness: float | None
+    sliding: bool
+    spring_stiffness: float | None
 
     @property
     def axes(self) -> str:
@@ -143,7 +146,7 @@ class _Reader:
     def pairs(self, steps: Sequence[int]) -> list[tuple[Columns, Columns | None]]:
         """Return the contacts of every frame: total forces, and springs if there are any."""
         total = self._local(TOTAL, steps)
-        if self.shear_stiffness is None:
+        if self.spring_stiffness is None:
             return [(t, None) for t in total]
         springs = self._local(SPRINGS, steps)
         for step, t, s in zip(steps, total, springs, strict=True):
@@ -153,7 +156,7 @@ class _Reader:
 
     def _local(self, name: str, steps: Sequence[int]) -> list[Columns]:
         names = {"c_ids[1]": "first", "c_ids[2]": "second", "c_pair[1]": "distance", "c_pair[2]": "normal"}
-        if self.shear_stiffness is not None:
+        if self.sliding:
             names |= {f"c_pair[{k + 3}]": f"t{a}" for k, a in enumerate(self.axes)}
         frames = read_dump(self.folder / name, kind="ENTRIES", names=names)
         if [step for step, _ in frames] != list(steps):
@@ -178,7 +181,7 @@ class _Reader:
         )
 
     def _pair_rows(self, particles: Columns, total: Columns, springs: Columns | None) -> dict[str, np.ndarray]:
-        """Return particle-particle contacts, i < j, sorted: f = f_n n + f_t, u = -f_t(springs)/k_t.
+        """Return particle-particle contacts, i < j, sorted: f = f_n n + f_t, u = -f_t(springs)/k.
 
         LAMMPS gives the tangential force on the first atom of its pair, which is i or j.
         """
@@ -187,11 +190,11 @@ class _Reader:
         normal, overlap, point = pair_geometry(particles, i, j, self.axes, self.periodic)
         self._agree(particles["radius"][i - 1] + particles["radius"][j - 1] - overlap, total["distance"])
         force = total["normal"][:, None] * normal
-        if springs is not None:
+        if self.sliding:
             force += sign[:, None] * self._tangential(total)
         columns = {"i": i, "j": j} | spread("p", point) | spread("f", force)
         if springs is not None:
-            columns |= spread("u", -sign[:, None] * self._tangential(springs) / self.shear_stiffness)
+            columns |= spread("u", -sign[:, None] * self._tangential(springs) / self.spring_stiffness)
         order = np.lexsort((j, i))
         return {c: v[order] for c, v in (columns | {"overlap": overlap}).items()}
 
@@ -214,6 +217,6 @@ class _Reader:
         columns = {"i": particles["id"][touching], "j": np.full(len(x), -float(plane.index))}
         columns |= spread("p", x - distance[:, None] * n)
         columns |= {f"f{a}": atoms[f"{plane.name}_f{a}"][touching] for a in self.axes}
-        if self.shear_stiffness is not None:
+        if self.spring_stiffness is not None:
             columns |= spread("u", np.full(x.shape, 0.0 if plane.smooth else np.nan))
         return columns | {"overlap": particles["radius"][touching] - distance}

@@ -6,9 +6,10 @@ series.txt          thermodynamic output at samples and frames: step, atoms, kin
                     eight letters, so columns go by their order.
 particles.dump      particles (unwrapped positions if an axis is periodic); with contact output also the
                     force of every primitive plane and of all meshes together on the particle
-contacts.dump       pairs: ids, is it across a periodic boundary, force on the first, spring, overlap
+contacts.dump       pairs: ids, is it across a periodic boundary, force on the first, what the contact
+                    remembers (if that has a spring), overlap
 mesh_contacts.dump  only where meshes have friction or normals that depend on each other: mesh, triangle,
-                    particle, force, spring, overlap
+                    particle, force, what the contact remembers, overlap
 """
 
 from __future__ import annotations
@@ -58,14 +59,15 @@ def read_liggghts(
     dt: float,
     sample_every: int,
     contacts: bool,
-    sliding: bool,
+    history: Sequence[str],
     rotations: bool = False,
 ) -> Trajectory:
     """Read a finished run.
 
     periodic: box length of each axis in m, 0 for open axes, or None. inertia_factor: (N,), q in
     I = q m R^2. dt: time step in s; sample_every: steps between the rows of the series. contacts, rotations:
-    did the run write them; sliding: do they have springs.
+    did the run write them. history: names of the numbers that contacts remember, as far as they are told, in
+    their order; `ux`, `uy`, `uz` are the spring.
 
     Forces of particles on each other are total, with full-step velocities. Forces of walls are those
     applied in that step (half-step velocities), except on a particle that touches two meshes at once
@@ -75,7 +77,7 @@ def read_liggghts(
     Raises ReadError (file, line) on files that are missing, cut short, not numbers, or do not belong
     together.
     """
-    reader = _Reader(Path(folder), dimension, tuple(walls), periodic, inertia_factor, dt, contacts, sliding)
+    reader = _Reader(Path(folder), dimension, tuple(walls), periodic, inertia_factor, dt, contacts, tuple(history))
     table = reader.wall_table()
     atoms = read_dump(reader.folder / PARTICLES, kind="ATOMS")
     steps = [step for step, _ in atoms]
@@ -111,7 +113,12 @@ class _Reader:
     inertia_factor: np.ndarray
     dt: float
     contacts: bool
-    sliding: bool
+    history: tuple[str, ...]
+
+    @property
+    def sliding(self) -> bool:
+        """Do contacts have springs?"""
+        return "ux" in self.history
 
     @property
     def axes(self) -> str:
@@ -167,7 +174,7 @@ class _Reader:
 
     def local(self, name: str, compute: str, ids: Sequence[str], steps: Sequence[int]) -> list[Columns]:
         """Return a dump of local data, frame by frame: ids, force, spring if there is one, overlap."""
-        columns = [*ids, "fx", "fy", "fz", *(("ux", "uy", "uz") if self._has_springs(compute) else ()), "overlap"]
+        columns = [*ids, "fx", "fy", "fz", *(self.history if self._is_rough(compute) else ()), "overlap"]
         names = {f"c_{compute}[{k + 1}]": c for k, c in enumerate(columns)}
         frames = read_dump(self.folder / name, kind="ENTRIES", names=names)
         if [step for step, _ in frames] != list(steps):
@@ -184,8 +191,8 @@ class _Reader:
             return [None] * len(steps)
         return self.local(MESH_CONTACTS, "shares", _SHARE, steps)
 
-    def _has_springs(self, compute: str) -> bool:
-        return self.sliding if compute == "pairs" else any(w.rough for w in self.walls if w.mesh is not None)
+    def _is_rough(self, compute: str) -> bool:
+        return compute == "pairs" or any(w.rough for w in self.walls if w.mesh is not None)
 
     def _pair_rows(self, particles: Columns, pairs: Columns) -> Rows:
         """Return particle-particle contacts, i < j, sorted; LIGGGHTS gives force and spring of the first."""
@@ -241,12 +248,12 @@ class _Reader:
         for k, wall in enumerate(self.walls):
             if wall.mesh is None:
                 forces[:, k] = self._per_atom(atoms, f"f_force_{wall.name}_plane")
-                if wall.rough:
-                    springs[:, k] = self._per_atom(atoms, f"f_history_{wall.name}_plane")
+                if wall.rough and self.sliding:
+                    springs[:, k] = self._per_atom(atoms, f"f_history_{wall.name}_plane", self.history.index("ux"))
         return forces, springs
 
-    def _per_atom(self, atoms: Columns, name: str) -> np.ndarray:
-        return atoms.vector(*(f"{name}[{k + 1}]" for k in range(self.dimension)))
+    def _per_atom(self, atoms: Columns, name: str, first: int = 0) -> np.ndarray:
+        return atoms.vector(*(f"{name}[{first + k + 1}]" for k in range(self.dimension)))
 
     def _fill_in_meshes(
         self, atoms: Columns, touches: np.ndarray, told: Told | None, forces: np.ndarray, springs: np.ndarray

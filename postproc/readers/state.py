@@ -11,7 +11,8 @@ CSV
 Groups contacts and walls are optional: left out means not recorded, empty means there are none.
 Attributes, all optional: ``dimension`` (default: 3 with a column z, else 2), ``thickness`` (1 m),
 ``time`` (NaN: not known), ``periodic`` (one boolean an axis), ``box`` (one [lower, upper] an axis;
-default: what axis-aligned walls enclose). Other columns and attributes are not read.
+default: what axis-aligned walls enclose). Other columns are not read; other groups and attributes are refused,
+since a misspelt ``box`` or ``thickness`` would be passed over without a word.
 ``null`` in JSON and an empty field in CSV are NaN, allowed in the columns ux, uy, uz only.
 
 A run's ``trajectory.h5`` is accepted wherever a state is, with a frame number.
@@ -24,7 +25,7 @@ from pathlib import Path
 import numpy as np
 
 from postproc.readers.check import check_snapshot, wrong
-from postproc.readers.state_formats import RawState, format_of
+from postproc.readers.state_formats import ATTRIBUTES, RawState, format_of
 from postproc.readers.walls import box_from_walls
 from postproc.snapshot import Columns, Snapshot
 from postproc.trajectory import GROUPS, ReadError, Trajectory, read_trajectory
@@ -33,7 +34,7 @@ from postproc.trajectory import GROUPS, ReadError, Trajectory, read_trajectory
 def read_state(path: Path, *, frame: int | None = None) -> Snapshot:
     """Read one state. Raises ReadError: file, place, what was expected, what came.
 
-    frame: which frame of a trajectory, from 0, or from the end when negative; default the last.
+    frame: which frame of a trajectory, from 0; default the last.
     Not for files that hold a single state.
     """
     path = Path(path)
@@ -79,12 +80,15 @@ def _frame_number(path: Path, trajectory: Trajectory, frame: int | None) -> int:
     count = len(trajectory)
     if frame is None and count:
         return count - 1
-    if frame is None or not -count <= frame < count:
+    if frame is None or not 0 <= frame < count:
         raise wrong(path, "frame", f"a number from 0 to {count - 1} in a trajectory of {count}", frame)
-    return frame % count
+    return frame
 
 
 def _snapshot(path: Path, raw: RawState) -> Snapshot:
+    for name in raw.attributes:
+        if name not in ATTRIBUTES:
+            raise wrong(path, "attributes", f"only {', '.join(ATTRIBUTES)}", f"the unknown {name!r}")
     if "particles" not in raw.groups:
         raise wrong(path, "particles", "a group of columns", "none")
     dimension = _dimension(path, raw)

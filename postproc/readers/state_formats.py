@@ -9,7 +9,7 @@ from __future__ import annotations
 import csv
 import json
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,6 +19,9 @@ from postproc.readers.check import wrong
 from postproc.trajectory import GROUPS
 
 CSV_PARTICLES = ".particles.csv"
+
+ATTRIBUTES = ("dimension", "thickness", "time", "periodic", "box")
+"""What a state may say about itself."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,6 +50,7 @@ def _read_hdf5(path: Path) -> RawState:
 
     try:
         with h5py.File(path, "r") as f:
+            _refuse_unknown(path, f, GROUPS, "make it an attribute of the file")
             groups = {g: {name: f[g][name][()] for name in f[g]} for g in GROUPS if g in f}
             return RawState(groups=groups, attributes=dict(f.attrs))
     except FileNotFoundError:
@@ -71,11 +75,20 @@ def _write_hdf5(path: Path, raw: RawState) -> None:
 
 def _read_json(path: Path) -> RawState:
     data = _load_json(path)
+    _refuse_unknown(path, data, (*GROUPS, "attributes"), "move it into attributes")
     tables = {g: data[g] for g in GROUPS if g in data}
     for name, table in {**tables, "attributes": data.get("attributes", {})}.items():
         if not isinstance(table, dict):
             raise wrong(path, name, "an object", type(table).__name__)
     return RawState(groups=tables, attributes=data.get("attributes", {}))
+
+
+def _refuse_unknown(path: Path, found: Iterable[str], known: Sequence[str], fix: str) -> None:
+    """Raise ReadError for what would be passed over; `fix` is said of an attribute that stands where groups do."""
+    for name in found:
+        if name not in known:
+            got = f"the unknown {name!r}" + (f"; {fix}" if name in ATTRIBUTES else "")
+            raise wrong(path, "top level", f"only {', '.join(known)}", got)
 
 
 def _load_json(path: Path) -> dict:

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from reference.kernel.conventions import CONVENTIONS
-from reference.kernel.laws.linear import LinearNormal
-from reference.kernel.laws.sliding import SpringSliding
+from reference.kernel.conventions import CONVENTIONS, Convention
+from reference.kernel.laws.law import Law
+from reference.kernel.laws.registry import LAWS, build_law
 from reference.kernel.model import Constant, Cosine, Fixed, Loaded, Model, Wall
 
 DECK, PARTICLES = "kernel.json", "particles.csv"
@@ -48,7 +48,6 @@ def _model(deck: dict, p: dict[str, np.ndarray]) -> Model:
     axes = "xyz"[: deck["dimension"]]
     spins = ["wz"] if deck["dimension"] == 2 else ["wx", "wy", "wz"]
     convention = CONVENTIONS[deck["convention"]]
-    sliding = deck.get("sliding")
     return Model(
         x=np.stack([p[a] for a in axes]),
         v=np.stack([p[f"v{a}"] for a in axes]),
@@ -57,8 +56,7 @@ def _model(deck: dict, p: dict[str, np.ndarray]) -> Model:
         mass=p["mass"].copy(),
         inertia=p["inertia"].copy(),
         walls=tuple(_wall(w) for w in deck["walls"]),
-        normal=LinearNormal(**deck["normal"]),
-        sliding=SpringSliding(**sliding, algorithm=convention.sliding) if sliding else None,
+        **_laws(deck, convention),
         convention=convention,
         dt=deck["dt"],
         gravity=_tuple(deck.get("gravity")),
@@ -66,6 +64,15 @@ def _model(deck: dict, p: dict[str, np.ndarray]) -> Model:
         periodic=_tuple(deck.get("periodic")),
         rotations=deck.get("rotations", False),
     )
+
+
+def _laws(deck: dict, convention: Convention) -> dict[str, Law | None]:
+    """The laws of all families; None for what the deck does not name."""
+    normal = build_law("normal", deck["normal"], convention)
+    tangential = [family for family in LAWS if family != "normal"]
+    named = {family: deck.get(family) for family in tangential}
+    made = {k: None if table is None else build_law(k, table, convention, normal) for k, table in named.items()}
+    return {"normal": normal, **made}
 
 
 def _wall(deck: dict) -> Wall:

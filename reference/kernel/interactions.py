@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from reference.kernel.laws.contact import Touching
-from reference.kernel.laws.sliding import SpringSliding
+from reference.kernel.laws.contact import Pressing, Touching
+from reference.kernel.laws.law import Law
 from reference.kernel.model import Model
 from reference.kernel.neighbours import CandidateList, branch_vectors, pairs_within, wall_pairs_within
 from reference.kernel.state import State
@@ -20,30 +20,46 @@ from reference.kernel.vectors import dot, spin_cross, torque_cross
 
 @dataclass(frozen=True, kw_only=True)
 class Forces:
-    """Contact forces of one evaluation: `force` (dim, M) on i, minus that on j; `f_n` (M,)."""
+    """Contact forces of one evaluation: `force` (dim, M) on i, minus that on j; `f_n` (M,).
 
+    touching: (M,) numbers of the contacts among the candidates.
+    couple: (1|3, M) on i, minus that on j, besides the torques of `force`; None without rolling and torsion.
+    memory: what the contacts remember after it, (rows, M) by family of laws.
+    """
+
+    touching: np.ndarray
     contact: Touching
     force: np.ndarray
     f_n: np.ndarray
-    spring: np.ndarray | None
+    couple: np.ndarray | None
+    memory: dict[str, np.ndarray]
 
 
 class Interaction:
     """One kind of pairs with their candidate list and the laws that act in them.
 
-    `walls` is None for particles with particles, else the numbers of the walls of this kind.
+    `walls` is None for particles with particles, else the numbers of the walls of this kind. Contacts that
+    are not `rough` know the normal law alone.
     """
 
-    def __init__(self, model: Model, *, walls: tuple[int, ...] | None, sliding: SpringSliding | None):
+    def __init__(self, model: Model, *, walls: tuple[int, ...] | None, rough: bool):
         self.model = model
         self.walls = walls
-        self.sliding = sliding
-        nodes = model.particle_count + len(model.walls)
-        self.pairs = CandidateList(model.dimension, nodes, with_spring=sliding is not None)
+        self.normal = model.normal
+        self.sliding, self.rolling, self.torsion = (
+            (model.sliding, model.rolling, model.torsion) if rough else (None, None, None))
+        laws = self._laws()
+        self.needs = frozenset().union(*(law.needs for law in laws.values()))
+        rows = {family: law.memory_rows(model.dimension) for family, law in laws.items()}
+        self.pairs = CandidateList(model.particle_count + len(model.walls), rows)
         arms = model.convention
         self.slip_arm = arms.slip_arm if walls is None else arms.wall_slip_arm
         self.torque_arm = arms.torque_arm if walls is None else arms.wall_torque_arm
         self.last: Forces | None = None
+
+    def _laws(self) -> dict[str, Law]:
+        made = {"normal": self.normal, "sliding": self.sliding, "rolling": self.rolling, "torsion": self.torsion}
+        return {family: law for family, law in made.items() if law is not None}
 
     def renew(self, state: State, skin: float) -> None:
         """Find the candidates anew: all pairs with a gap below the skin."""
@@ -54,20 +70,32 @@ class Interaction:
         self.pairs.replace(*found)
 
     def evaluate(self, state: State, v: np.ndarray, spin: np.ndarray, dt: float, *, advance: bool) -> Forces:
-        """Return the contact forces; with `advance` the springs move on by dt."""
+        """Return the contact forces, and what contacts remember after them; nothing is changed by it.
+
+        With `advance` memories have moved on by dt. Without it time stands still: springs are neither
+        turned nor stretched nor cut.
+        """
         touching, n, overlap = self._overlaps(state)
         i, j = self.pairs.i[touching], self.pairs.j[touching]
         contact = self._kinematics(state, v, spin, i, j, n, overlap)
-        f_n = self.model.normal.force(contact)
-        force, spring = f_n * n, None
+        memory = self.pairs.recall(touching)
+        f_n, elastic, memory["normal"] = self.normal.force(contact, memory.get("normal"))
+        force, couple = f_n * n, None
+        pressing = self._pressing(contact, f_n, elastic)
+        moving = {"dt": dt, "advance": advance}
         if self.sliding is not None:
-            f_t, spring = self.sliding.force(
-                self.pairs.spring.take(touching, axis=1), n, contact.v_t, f_n, dt, advance=advance
-            )
+            f_t, memory["sliding"] = self.sliding.force(contact, pressing, memory.get("sliding"), **moving)
             force = force + f_t
-            if advance:
-                self._store(touching, spring)
-        return Forces(contact=contact, force=force, f_n=f_n, spring=spring)
+        if self.rolling is not None:
+            couple, memory["rolling"] = self.rolling.couple(contact, pressing, memory.get("rolling"), **moving)
+        if self.torsion is not None:
+            twist, memory["torsion"] = self.torsion.couple(contact, pressing, memory.get("torsion"), **moving)
+            couple = twist if couple is None else couple + twist
+        return Forces(touching=touching, contact=contact, force=force, f_n=f_n, couple=couple, memory=memory)
+
+    def remember(self, forces: Forces) -> None:
+        """Keep what the contacts of an evaluation remember; contacts that opened forget."""
+        self.pairs.remember(forces.touching, forces.memory)
 
     def _overlaps(self, state: State) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the numbers of the touching candidates, their normals and overlaps."""
@@ -86,21 +114,51 @@ class Interaction:
         return touching, n, overlap[touching]
 
     def _kinematics(self, state, v, spin, i, j, n, overlap) -> Touching:
+        """Return the touching contacts with what their laws need, and no more."""
         v_ij = v.take(i, axis=1) - v.take(j, axis=1)
         v_n = dot(v_ij, n)
-        if self.sliding is None:
-            return Touching(i=i, j=j, n=n, overlap=overlap, v_n=v_n)
+        wanted = {}
+        if "v_t" in self.needs:
+            wanted |= self._slip(state, spin, i, j, n, overlap, v_ij - v_n * n)
+        if "spin" in self.needs:
+            wanted["spin"] = self._relative_spin(state, spin, i, j, overlap)
+        if "reduced_radius" in self.needs:
+            wanted["reduced_radius"] = self._reduced(self.model.radius, i, j)
+        if "reduced_mass" in self.needs:
+            wanted["reduced_mass"] = self._reduced(self.model.mass, i, j)
+        return Touching(i=i, j=j, n=n, overlap=overlap, v_n=v_n, **wanted)
+
+    def _slip(self, state, spin, i, j, n, overlap, v_across) -> dict[str, np.ndarray]:
+        """Slip velocity, from that of the centres across the normal and the spins, and the torque's arms."""
         radius_i, radius_j = state.radius.take(i), state.radius.take(j)
         slip_i, slip_j = _arms(radius_i, radius_j, overlap, self.slip_arm)
         turning = slip_i * spin.take(i, axis=1) + slip_j * spin.take(j, axis=1)
-        v_t = v_ij - v_n * n - spin_cross(turning, n)
         arm_i, arm_j = _arms(radius_i, radius_j, overlap, self.torque_arm)
-        return Touching(i=i, j=j, n=n, overlap=overlap, v_n=v_n, v_t=v_t, torque_arm_i=arm_i, torque_arm_j=arm_j)
+        return {"v_t": v_across - spin_cross(turning, n), "torque_arm_i": arm_i, "torque_arm_j": arm_j}
 
-    def _store(self, touching: np.ndarray, spring: np.ndarray) -> None:
-        """Keep the springs of touching contacts; a contact that opened forgets its spring."""
-        self.pairs.spring[:] = 0.0
-        self.pairs.spring[:, touching] = spring
+    def _relative_spin(self, state, spin, i, j, overlap) -> np.ndarray:
+        if self.walls is None:
+            return spin.take(i, axis=1) - spin.take(j, axis=1)
+        if self.model.convention.wall_spin == "whole":
+            return spin.take(i, axis=1)
+        radius = state.radius.take(i)
+        return (radius - 0.5 * overlap) / (radius - overlap) * spin.take(i, axis=1)
+
+    def _reduced(self, quantity: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
+        """Return q_i q_j/(q_i + q_j); a wall is infinite, which leaves q_i."""
+        q_i = quantity.take(i)
+        if self.walls is not None:
+            return q_i
+        q_j = quantity.take(j)
+        return q_i * q_j / (q_i + q_j)
+
+    def _pressing(self, contact: Touching, f_n: np.ndarray, elastic: np.ndarray) -> Pressing | None:
+        """Return the base of all limits; None in smooth contacts, which have no limits."""
+        if self.sliding is self.rolling is self.torsion is None:
+            return None
+        gripping = self.normal.gripping(contact, f_n, elastic)
+        base = np.abs(gripping) if self.model.convention.limit == "absolute" else np.maximum(gripping, 0.0)
+        return Pressing(total=f_n, elastic=elastic, base=base)
 
     def add_to(self, forces: Forces, force: np.ndarray, torque: np.ndarray | None) -> None:
         """Sum contact forces to the nodes, (dim, N+W), and torques, (1|3, N+W), in pair order."""
@@ -111,6 +169,9 @@ class Interaction:
             for axis, component in enumerate(torque_cross(c.n, forces.force)):
                 torque[axis] -= np.bincount(c.i, c.torque_arm_i * component, nodes)
                 torque[axis] -= np.bincount(c.j, c.torque_arm_j * component, nodes)
+        if forces.couple is not None:
+            for axis, component in enumerate(forces.couple):
+                torque[axis] += np.bincount(c.i, component, nodes) - np.bincount(c.j, component, nodes)
 
 
 def _arms(radius_i, radius_j, overlap, arm: str) -> tuple[np.ndarray, np.ndarray]:

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from reference.kernel.conventions import Convention
-from reference.kernel.laws.linear import LinearNormal
-from reference.kernel.laws.sliding import SpringSliding
+from reference.kernel.laws.law import CoupleLaw, NormalLaw, SlidingLaw
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,6 +73,7 @@ class Model:
     """A DEM problem. x, v: (dim, N); spin: (1|3, N); radius, mass, inertia: (N,). SI units.
 
     With `rotations` (2D) the state carries the angle that every particle has turned.
+    Raises ValueError for torsion resistance in 2D.
     """
 
     x: np.ndarray
@@ -83,14 +83,20 @@ class Model:
     mass: np.ndarray
     inertia: np.ndarray
     walls: tuple[Wall, ...]
-    normal: LinearNormal
-    sliding: SpringSliding | None
+    normal: NormalLaw
+    sliding: SlidingLaw | None
     convention: Convention
     dt: float
+    rolling: CoupleLaw | None = None
+    torsion: CoupleLaw | None = None
     gravity: tuple[float, ...] | None = None
     drag: float | None = None
     periodic: tuple[float, ...] | None = None
     rotations: bool = False
+
+    def __post_init__(self) -> None:
+        if self.torsion is not None and self.dimension == 2:
+            raise ValueError("torsion resistance: expected three dimensions, for spins about the normal; got two")
 
     @property
     def dimension(self) -> int:
@@ -101,3 +107,8 @@ class Model:
     def particle_count(self) -> int:
         """N."""
         return len(self.radius)
+
+    @property
+    def turns(self) -> bool:
+        """Whether any law exerts torques."""
+        return not self.sliding is self.rolling is self.torsion is None

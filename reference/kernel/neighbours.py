@@ -3,7 +3,7 @@
 The list holds every pair whose gap was below the skin when it was built. It is checked in every
 step, after positions moved and before forces are computed: as soon as two objects could have closed
 a gap of one skin, it is rebuilt, so no contact is ever missed, whatever the speed. The
-springs of contacts are carried over by the pair's key.
+memory of contacts is carried over by the pair's key.
 """
 
 from __future__ import annotations
@@ -15,21 +15,34 @@ from reference.kernel.vectors import dot
 
 
 class CandidateList:
-    """Pairs (i, j) of nodes that may touch, sorted by key, with one spring (dim, P) each if wanted."""
+    """Pairs (i, j) of nodes that may touch, sorted by key.
 
-    def __init__(self, dimension: int, nodes: int, *, with_spring: bool):
+    memory: one array (rows, P) for every law with history, by its family; zero where nothing is remembered.
+    """
+
+    def __init__(self, nodes: int, rows: dict[str, int]):
         self.nodes = nodes
         self.i = np.empty(0, np.intp)
         self.j = np.empty(0, np.intp)
-        self.spring = np.zeros((dimension, 0)) if with_spring else None
+        self.memory = {family: np.zeros((count, 0)) for family, count in rows.items() if count}
 
     def replace(self, i: np.ndarray, j: np.ndarray) -> None:
-        """Take new pairs; springs follow the pairs that stay."""
+        """Take new pairs; memory follows the pairs that stay."""
         order = np.argsort(i * self.nodes + j)
-        old_key, old_spring = self.i * self.nodes + self.j, self.spring
+        old_key = self.i * self.nodes + self.j
         self.i, self.j = i[order].astype(np.intp), j[order].astype(np.intp)
-        if old_spring is not None:
-            self.spring = _carried(old_key, old_spring, self.i * self.nodes + self.j)
+        key = self.i * self.nodes + self.j
+        self.memory = {family: _carried(old_key, old, key) for family, old in self.memory.items()}
+
+    def recall(self, touching: np.ndarray) -> dict[str, np.ndarray]:
+        """Return what the touching pairs remember, (rows, M) by family."""
+        return {family: kept.take(touching, axis=1) for family, kept in self.memory.items()}
+
+    def remember(self, touching: np.ndarray, memory: dict[str, np.ndarray]) -> None:
+        """Keep the memory of the touching pairs, (rows, M) by family; all others forget."""
+        for family, kept in self.memory.items():
+            kept[:] = 0.0
+            kept[:, touching] = memory[family]
 
 
 def pairs_within(model: Model, x: np.ndarray, skin: float) -> tuple[np.ndarray, np.ndarray]:
@@ -82,11 +95,11 @@ def wall_pairs_within(
     return particle, chosen[wall] + count
 
 
-def _carried(old_key: np.ndarray, old_spring: np.ndarray, key: np.ndarray) -> np.ndarray:
-    """Springs of `key`, taken from `old_key` where the pair was listed before, else zero."""
-    spring = np.zeros((len(old_spring), len(key)))
+def _carried(old_key: np.ndarray, old: np.ndarray, key: np.ndarray) -> np.ndarray:
+    """Memory of `key`, taken from `old_key` where the pair was listed before, else zero."""
+    memory = np.zeros((len(old), len(key)))
     if len(old_key):
         place = np.minimum(np.searchsorted(old_key, key), len(old_key) - 1)
         known = old_key[place] == key
-        spring[:, known] = old_spring[:, place[known]]
-    return spring
+        memory[:, known] = old[:, place[known]]
+    return memory

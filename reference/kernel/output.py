@@ -78,7 +78,7 @@ def wall_table(simulation: Simulation) -> dict[str, np.ndarray]:
 
 
 def contact_table(simulation: Simulation) -> dict[str, np.ndarray]:
-    """Columns i, j, p., f. (on i), overlap and, with sliding, the spring u. .
+    """Columns i, j, p., f. (on i), overlap and, if sliding has a spring, its elongation u. .
 
     Particle contacts carry the force at the full-step velocities of now, wall contacts (j = -wall)
     the force that acted in the step, as engines report it.
@@ -101,9 +101,9 @@ def _contact_rows(simulation: Simulation, interaction, forces) -> dict[str, np.n
         **dict(zip((f"f{a}" for a in axes), forces.force, strict=True)),
         "overlap": c.overlap,
     }
-    if m.sliding is not None:
-        spring = np.zeros_like(c.n) if forces.spring is None else forces.spring  # a smooth wall stretches none
-        rows |= dict(zip((f"u{a}" for a in axes), spring, strict=True))
+    if m.sliding is not None and m.sliding.memory_rows(m.dimension):
+        spring = forces.memory.get("sliding", np.zeros_like(c.n))  # a smooth wall stretches none
+        rows |= dict(zip((f"u{a}" for a in axes), spring[: m.dimension], strict=True))
     return rows
 
 

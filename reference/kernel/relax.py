@@ -76,7 +76,7 @@ def _frictionless(x, radius, box, stiffness) -> Model:
         x=x.copy(), v=np.zeros((2, n)), spin=np.zeros((1, n)), radius=radius, mass=np.ones(n),
         inertia=np.ones(n), dt=1.0, convention=TALK, sliding=None,
         walls=tuple(Wall(name=a, point=b, normal=c, friction=False) for a, b, c in planes),
-        normal=LinearNormal(normal_stiffness=stiffness, normal_damping=0.0, clip_attraction=False),
+        normal=LinearNormal(normal_stiffness=stiffness, normal_damping=0.0, attraction="allowed"),
     )
 
 

@@ -2,7 +2,7 @@
 
     v += dt/2 f/m ;  x += dt v ;  omega += dt/2 T/I
     walls move on ;  candidates are renewed if anything could have been missed
-    f, T = forces(x, v(n+1/2), omega(n+1/2)), springs move on by dt
+    f, T = forces(x, v(n+1/2), omega(n+1/2)), memories move on by dt
     v += dt/2 f/m ;  omega += dt/2 T/I
 
 This is the order of LAMMPS' and LIGGGHTS' `fix nve/sphere`. Velocity-dependent forces see the
@@ -55,15 +55,16 @@ class Simulation:
         """Time of the state, s."""
         return self.state.step * self.model.dt
 
-    def advance(self) -> None:
-        """Make one step of dt."""
-        self._kick()
-        self._drift()
-        self._move_walls()
-        self.renew_candidates()
-        self.evaluate(advance=True)
-        self._kick()
-        self._kick_loaded_walls()
+    def advance(self, steps: int = 1) -> None:
+        """Make steps of dt."""
+        for _ in range(steps):
+            self._kick()
+            self._drift()
+            self._move_walls()
+            self.renew_candidates()
+            self.evaluate(advance=True)
+            self._kick()
+            self._kick_loaded_walls()
 
     def contacts(self) -> list[tuple[Interaction, Forces]]:
         """Return the contacts of now, evaluated with full-step velocities; nothing is changed."""
@@ -132,13 +133,14 @@ class Simulation:
     # --- forces --------------------------------------------------------------------------------
 
     def evaluate(self, *, advance: bool) -> None:
-        """Compute all forces and torques at the positions of now; with `advance` springs move on by dt."""
+        """Compute all forces and torques at the positions of now; with `advance` memories move on by dt."""
         s, m = self.state, self.model
         s.force[:] = 0.0
         if s.torque is not None:
             s.torque[:] = 0.0
         for interaction in self.interactions:
             forces = interaction.evaluate(s, s.v, s.spin, m.dt, advance=advance)
+            interaction.remember(forces)
             interaction.last = forces
             interaction.add_to(forces, s.force, s.torque)
             if interaction.walls is not None:
@@ -177,11 +179,11 @@ class Simulation:
 
 def _interactions(model: Model) -> list[Interaction]:
     """Particles with particles, with the rough walls and with the smooth ones: those that exist."""
-    rough = tuple(k for k, w in enumerate(model.walls) if w.friction and model.sliding is not None)
+    rough = tuple(k for k, w in enumerate(model.walls) if w.friction and model.turns)
     smooth = tuple(k for k in range(len(model.walls)) if k not in rough)
-    made = [Interaction(model, walls=None, sliding=model.sliding)]
+    made = [Interaction(model, walls=None, rough=model.turns)]
     if rough:
-        made.append(Interaction(model, walls=rough, sliding=model.sliding))
+        made.append(Interaction(model, walls=rough, rough=True))
     if smooth:
-        made.append(Interaction(model, walls=smooth, sliding=None))
+        made.append(Interaction(model, walls=smooth, rough=False))
     return made

@@ -49,7 +49,7 @@ def initial_state(model: Model) -> State:
         spin=np.hstack([model.spin, np.zeros((spins, walls))]),
         radius=np.concatenate([model.radius, np.zeros(walls)]),
         force=np.zeros((dim, nodes)),
-        torque=None if model.sliding is None else np.zeros((spins, nodes)),
+        torque=np.zeros((spins, nodes)) if model.turns else None,
         wall_normal=normal,
         wall_d=np.zeros(walls),
         wall_rate=dot(wall_v, normal),

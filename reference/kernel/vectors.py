@@ -43,6 +43,11 @@ def torque_cross(a: np.ndarray, f: np.ndarray) -> np.ndarray:
     return _cross3(a, f)
 
 
+def across(spin: np.ndarray, n: np.ndarray) -> np.ndarray:
+    """Return omega - n (n.omega), the part at right angles to n; all of it in 2D. Shape (1|3, M)."""
+    return spin if len(n) == 2 else spin - dot(n, spin) * n
+
+
 def spin_components(dimension: int) -> int:
     """Return 1 in 2D, 3 in 3D."""
     return 1 if dimension == 2 else 3

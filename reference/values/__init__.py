@@ -11,6 +11,9 @@ A table is one value::
     seen = true                       # false: recalled, sets scenes up and never decides a verdict
     conditions = "under which it holds"
     known_difference = "why ours may differ, if that is understood"   # optional
+    date = "2024-11"                  # when it was published or derived; optional for published ones
+    tolerance = 0.01                  # relative; analytical ones must have it, with
+    reason = "why that much"          # published ones are judged by the scatter over packings
 """
 
 from __future__ import annotations
@@ -41,9 +44,14 @@ class Published:
     seen: bool
     conditions: str
     known_difference: str = ""
+    date: str = ""
+    tolerance: float | None = None
+    reason: str = ""
 
     def __post_init__(self) -> None:
         """Refuse what would make a verdict meaningless."""
+        if self.kind == "analytical" and not (self.tolerance and self.tolerance > 0.0 and self.reason and self.date):
+            raise ValueError(f"{self.name}: an analytical value needs a tolerance > 0, its reason and a date")
         if self.kind not in KINDS:
             raise ValueError(f"{self.name}: kind must be one of {', '.join(KINDS)}, got {self.kind!r}")
         if not math.isfinite(self.value) or self.value == 0.0:

@@ -11,13 +11,14 @@ import pytest
 
 from harness.engines.kernel import KERNELS
 from harness.engines.kernel.deck import render_deck
+from harness.engines.protocol import PATH_FILE, REACTION_FILE, takes
 from harness.scene.effects import effects_on
-from harness.scene.model import Background, LinearNormal, SpringSliding
+from harness.scene.model import Background, JkrNormal, LinearNormal, SpringSliding
 from harness.scene.system import Constant, Cosine, Loaded, Particles, System, Wall
 from postproc.trajectory import ReadError
 from reference.kernel import model as kernel_model
 from reference.kernel.deck import read_deck
-from reference.kernel.simulation import Simulation
+from reference.kernel.program.simulation import fastest
 
 TALK = next(k for k in KERNELS if k.convention == "talk")
 NASTY = [0.1, 1 / 3, math.pi, 1e-30, 1e30, -2.0**-1074, 5e-324, 1.7976931348623157e308, -0.0, 123456789.123456789]
@@ -102,12 +103,13 @@ def test_laws_and_conventions(tmp_path, convention):
     system = everything()
     model, _ = read_back(tmp_path, system, convention)
     assert dataclasses.asdict(model.normal) == {
-        "normal_stiffness": 1e5 / 3, "normal_damping": 0.1 / 3, "clip_attraction": True}
+        "normal_stiffness": 1e5 / 3, "normal_damping": 0.1 / 3, "attraction": "clipped"}
     assert dataclasses.asdict(model.sliding) == {
-        "shear_friction": 0.5 / 3, "shear_stiffness": 2e4 / 3, "shear_damping": 0.025 / 3, "algorithm": convention}
+        "shear_friction": 0.5 / 3, "shear_stiffness": 2e4 / 3, "shear_damping": 0.025 / 3, "algorithm": convention,
+        "dynamic_friction": None}
     assert model.convention.name == convention
     allowed, _ = read_back(tmp_path, bare())
-    assert not allowed.normal.clip_attraction
+    assert allowed.normal.attraction == "allowed"
 
 
 @pytest.mark.parametrize("dim", [2, 3])
@@ -172,6 +174,53 @@ def test_names_probe_and_support():
     assert TALK.command(Path("some/folder")) == [sys.executable, "-m", "reference.kernel", "some/folder"]
 
 
+def test_a_law_that_the_kernel_does_not_have_is_unsupported_and_it_says_why():
+    jkr = JkrNormal(
+        youngs_modulus=1e8, poisson_ratio=0.3, surface_energy=0.1, normal_damping=0.1, impact_speed=0.1)
+    levels = {s.effect: (s.level, s.note) for s in TALK.supports(bare(normal=jkr))}
+    assert levels.pop("normal contact: jkr") == (
+        "unsupported", "contacts that hold on beyond overlap zero: the kernel ends a contact with its overlap")
+    assert {level for level, _ in levels.values()} == {"exact"}
+    assert not takes(TALK, bare(normal=jkr))
+    assert TALK.known_defects() == ()
+
+
+def test_prescribed_motion(tmp_path):
+    """Two discs driven into each other: in every row the law sees just these numbers."""
+    law = LinearNormal(normal_stiffness=1e5, normal_damping=0.1, attraction="allowed")
+    system = pair(walls=(), normal=law, gravity=(0.0, -9.81), background=Background(translational_drag=1.0))
+    gap = np.linspace(1.05e-5, -2.95e-5, 41)
+    x = np.zeros((41, 2, 2))
+    x[:, 1, 0] = 2e-3 + gap
+    v = np.zeros_like(x)
+    v[:, 1, 0] = -1.0
+    for name, text in TALK.render_prescribed(system).items():
+        (tmp_path / name).write_text(text)
+    np.savez(tmp_path / PATH_FILE, x=x, v=v, spin=np.zeros((41, 2, 1)))
+    result = TALK.run_prescribed(tmp_path, time_limit=60.0)
+    assert (result.status, result.reason) == ("completed", "")
+    with np.load(tmp_path / REACTION_FILE) as reaction:
+        force, torque = reaction["force"], reaction["torque"]
+    pressed = np.maximum(-gap[1:], 0.0)
+    expected = np.where(pressed > 0, 1e5 * pressed + 0.1, 0.0)
+    assert force[:, 1, 0] == pytest.approx(expected, rel=1e-9)
+    assert np.array_equal(force[:, 0], -force[:, 1])
+    assert not torque.any()
+
+
+def test_prescribed_motion_needs_fixed_walls_and_a_free_start(tmp_path):
+    with pytest.raises(ValueError, match="fixed planes only"):
+        TALK.render_prescribed(everything())
+    for name, text in TALK.render_prescribed(pair(walls=())).items():
+        (tmp_path / name).write_text(text)
+    touching = np.zeros((2, 2, 2))
+    touching[:, 1, 0] = 1.9e-3
+    np.savez(tmp_path / PATH_FILE, x=touching, v=np.zeros_like(touching), spin=np.zeros((2, 2, 1)))
+    result = TALK.run_prescribed(tmp_path, time_limit=60.0)
+    assert result.status == "crashed"
+    assert "bodies touch in row 0" in result.last_lines[-1]
+
+
 def test_a_run_completes_and_is_read_back_to_the_last_bit(tmp_path):
     result = started(TALK, tmp_path, pair())
     assert (result.status, result.reason) == ("completed", "")
@@ -181,9 +230,8 @@ def test_a_run_completes_and_is_read_back_to_the_last_bit(tmp_path):
     trajectory = TALK.read(tmp_path, pair())
     assert trajectory.steps == (0, 20, 40, 60)
     assert trajectory.series["step"].tolist() == list(range(0, 61, 10))
-    simulation = Simulation(read_deck(tmp_path)[0])
-    for _ in range(60):
-        simulation.advance()
+    simulation = fastest(read_deck(tmp_path)[0])
+    simulation.advance(60)
     last = trajectory.frames[-1]
     assert same(last.particles["x"], simulation.state.x[0, :2])
     assert same(last.particles["wz"], simulation.state.spin[0, :2])
@@ -208,7 +256,7 @@ def test_an_unstable_run_is_an_outcome_with_its_reason(tmp_path):
     fast.particles.v[1] = [0.0, -2e3]
     result = started(TALK, tmp_path, fast)
     assert result.status == "unstable"
-    assert result.reason == "unstable: step 1: the centre of particle 2 has passed wall 'floor'"
+    assert result.reason == "unstable: by step 8: the centre of particle 2 has passed wall 'floor'"
     assert result.timings == {}
     with pytest.raises(ReadError):
         TALK.read(tmp_path, fast)

@@ -152,7 +152,7 @@ def box_changed(text):
     (".json", lambda text: "\x00\udcff"),
     (".json", None),
 ])
-def test_a_damaged_cache_is_made_anew(tmp_path, count_relaxations, suffix, damage):
+def test_a_damaged_cache_is_said_and_made_anew(tmp_path, count_relaxations, caplog, suffix, damage):
     first = make(tmp_path, FEW)
     whole = first.path.read_bytes(), first.path.with_suffix(".json").read_bytes()
     file = first.path.with_suffix(suffix)
@@ -162,6 +162,8 @@ def test_a_damaged_cache_is_made_anew(tmp_path, count_relaxations, suffix, damag
         file.write_bytes(damage(file.read_text()).encode("utf-8", "surrogateescape"))
     again = make(tmp_path, FEW)
     assert len(count_relaxations) == 4
+    (line,) = caplog.messages
+    assert line == f"{first.path.name}: it or its .json is not what was written; the packing is made again"
     assert (first.path.read_bytes(), first.path.with_suffix(".json").read_bytes()) == whole
     assert again.box == first.box
     assert np.array_equal(again.x, first.x)

@@ -109,7 +109,8 @@ def test_table(file, capsys):
     assert main([str(file)]) == 0
     out = capsys.readouterr().out
     assert out.startswith("2D, 80 particles, t = 0.25 s, cells: box\n")
-    assert "  stress [Pa] " in out
+    assert "\nper unit thickness, as none other than 1 was given: stresses are forces per length, N/m\n" in out
+    assert "  stress (N/m) " in out
     assert "unavailable\n  inertial_number: no strain rate was given" in out
 
 
@@ -118,7 +119,7 @@ def test_json_holds_all_digits_and_all_reasons(file, states, capsys):
     data = json.loads(capsys.readouterr().out)
     expected = average(states.random_contacts(2, 2, count=80), cells="particles")
     np.testing.assert_array_equal(data["in_cells"]["stress"]["values"], expected["stress"])
-    assert data["in_cells"]["stress"]["unit"] == "Pa"
+    assert data["in_cells"]["stress"]["unit"] == "N/m"
     assert data["of_state"]["axial_strain"] == {"unavailable": "no reference state was given"}
     assert data["time"] == 0.25
 
@@ -129,10 +130,11 @@ def test_files_hold_all_digits(file, states, tmp_path):
     expected = average(states.random_contacts(2, 2, count=80), cells="inner", margin=0.2)
     with open(folder / "cells.csv") as cells, open(folder / "state.csv") as state:
         row = next(csv.DictReader(cells))
-        assert float(next(csv.DictReader(state))["time"]) == 0.25
+        assert float(next(csv.DictReader(state))["time (s)"]) == 0.25
     assert row.pop("cell") == "inner"
     found = {name: float(text or "nan") for name, text in row.items()}
     columns = columns_of(expected.in_cells)
+    assert {"volume_fraction", "stress_xy (N/m)", "friction_angle (deg)", "translational_energy (J)"} < set(found)
     assert set(found) == set(columns)
     for name, values in columns.items():
         np.testing.assert_array_equal(found[name], values[0])
@@ -156,15 +158,44 @@ def test_a_trajectory_is_strained_against_its_first_frame(tmp_path, states, caps
     (["{file}", "--frame", "1"], "frame: expected a trajectory, which has frames, got a single state"),
     (["{file}", "--margin", "1"], "margin: expected none for cells of kind 'box', got 1.0"),
     (["{file}", "--gravity", "1"], "gravity: expected 2 components, got 1"),
-    (["{file}", "--out", "{file}"], "exists"),
+    (["{file}", "--out", "{file}"], "--out: expected a place in a folder, got {file}: {file} is no folder"),
+    (["{file}", "--out", "{file}/a/b"], "--out: expected a place in a folder, got {file}/a/b: {file} is no folder"),
+    (["{file}", "--json", "{file}/x.json"], "--json: expected a place in a folder, got {file}/x.json: {file}"),
+    (["{file}", "--json", "/"], "--json: expected a file, got the folder /; name a file in it"),
+    (["{file}", "--json", ""], "--json: expected a file, got the folder .; name a file in it"),
 ])
 def test_wrong_input_is_one_line_and_status_2(file, capsys, words, message):
     assert main([w.format(file=file) for w in words], prog="grainproof average") == 2
     captured = capsys.readouterr()
     assert captured.out == ""
     assert captured.err.startswith("grainproof average: ")
-    assert message in captured.err
+    assert message.format(file=file) in captured.err
     assert captured.err.count("\n") == 1
+
+
+def test_a_folder_that_cannot_be_written_is_one_line(file, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("postproc.average.os.access", lambda path, mode: path != tmp_path)
+    assert main([str(file), "--out", str(tmp_path / "new")], prog="average") == 2
+    line = f"average: --out: expected a place that can be written, got {tmp_path / 'new'}; name another\n"
+    assert capsys.readouterr() == ("", line)
+    assert not (tmp_path / "new").exists()
+
+
+def test_a_disk_that_fails_is_one_line(file, tmp_path, capsys, monkeypatch):
+    def full(*_, **__):
+        raise OSError(28, "No space left on device", "cells.csv")
+
+    monkeypatch.setattr("pandas.DataFrame.to_csv", full)
+    assert main([str(file), "--out", str(tmp_path / "new")], prog="average") == 2
+    assert capsys.readouterr().err == "average: cells.csv: cannot be written: No space left on device\n"
+
+
+def test_stresses_without_a_thickness_are_forces_per_length(states):
+    state = states.random_contacts(2, 2)
+    flat, thick = average(state), average(states.replace(state, thickness=0.5))
+    space = average(states.random_contacts(3, 3))
+    assert [a.in_cells["stress"].unit for a in (flat, thick, space)] == ["N/m", "Pa", "Pa"]
+    np.testing.assert_allclose(flat["stress"], 0.5 * thick["stress"], rtol=1e-14)
 
 
 def test_runs_alone(file):

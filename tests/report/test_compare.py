@@ -94,7 +94,7 @@ def assert_same_numbers(comparison, folder) -> None:
     for row in check_rows(comparison):
         assert all(f">{text(v)}</td>" in html for v in row.values() if isinstance(v, float))
     assert [r["cpu_seconds"] for r in data["runs"]] == [
-        float(c["CPU s"]) if c["CPU s"] else r["cpu_seconds"]
+        float(c["CPU (s)"]) if c["CPU (s)"] else r["cpu_seconds"]
         for c, r in zip(numbers_of(folder / "runs.csv"), data["runs"], strict=True)
     ]
     assert data["exit_status"] == comparison.exit_status
@@ -130,8 +130,11 @@ def test_biaxial_report(biaxial, box, mutate, tmp_path, recwarn):
     ]
     curves = numbers_of(tmp_path / "report" / "curves.csv")
     assert len(curves) == 2 * 41
-    assert float(curves[40]["stress_zz"]) == pytest.approx(450.0)
-    assert float(curves[81]["stress_zz"]) == pytest.approx(300.0)
+    assert float(curves[40]["stress_zz (N/m)"]) == pytest.approx(450.0)
+    assert float(curves[81]["stress_zz (N/m)"]) == pytest.approx(300.0)
+    assert [n for n in curves[0] if "(" not in n] == ["engine", "strain", "ratio", "volume_strain", "control_error"]
+    assert "sigma_zz from walls (N/m)" in numbers_of(tmp_path / "report" / "states.csv")[0]
+    assert "time (s)" in numbers_of(tmp_path / "report" / "growth.csv")[0]
     assert not [w for w in recwarn if issubclass(w.category, UserWarning)]
 
 
@@ -195,14 +198,14 @@ def test_a_run_that_failed_is_in_every_table(free, tmp_path, third, said):
     row = numbers_of(tmp_path / "report" / "runs.csv")[2]
     assert row["outcome"] == said.split()[-1]
     assert row["reason"]
-    assert row["CPU s"] == row["CPU us per step"] == ""
+    assert row["CPU (s)"] == row["CPU per step (us)"] == ""
     status = json.loads(written.data.read_text())["runs"][2]["status"]
     assert status == row["outcome"]
 
 
 def test_cost_is_cpu_time_over_steps(free):
     for row, run in zip(run_rows(free()), free().runs, strict=True):
-        assert row["CPU us per step"] == pytest.approx(1e6 * run.outcome.cpu_seconds / run.outcome.steps)
+        assert row["CPU per step (us)"] == pytest.approx(1e6 * run.outcome.cpu_seconds / run.outcome.steps)
 
 
 def test_hostile_words_of_scene_and_engine_are_escaped(free, tmp_path):

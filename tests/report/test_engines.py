@@ -1,21 +1,42 @@
 """The support matrix: every effect, every engine, and the limits that engines themselves state."""
 
+from typing import get_args
+
+from harness.engines.protocol import Level
 from harness.engines.registry import ENGINES
 from harness.report.asked import hard_cases, ordinary_cases
 from harness.report.engines import engines_answer
 from harness.runs.atomic import json_text
-from harness.scene.effects import EFFECTS, effects_on
+from harness.scene.effects import EFFECT_NAMES, effects_on
 
 
 def test_the_ordinary_cases_have_every_effect():
-    assert {e for case in ordinary_cases() for e in effects_on(case)} == set(EFFECTS)
+    assert {e for case in ordinary_cases() for e in effects_on(case)} == set(EFFECT_NAMES)
 
 
 def test_the_matrix_has_every_effect_and_engine():
     rows = engines_answer().data["support"]
-    assert [r["effect"] for r in rows] == list(EFFECTS)
+    assert [r["effect"] for r in rows] == list(EFFECT_NAMES)
     assert all(set(r) == {"effect", *ENGINES} for r in rows)
-    assert {r[e] for r in rows for e in ENGINES} <= {"exact", "equivalent"}
+    words = {word for r in rows for e in ENGINES for word in r[e].split(", ")}
+    assert words <= {level.replace("_", " ") for level in get_args(Level)}
+
+
+def test_every_engine_has_the_laws_of_the_talks_box():
+    """And the kernel has every law but the one that needs contacts without overlap."""
+    rows = {r["effect"]: r for r in engines_answer().data["support"]}
+    for effect in ("normal contact: linear", "sliding friction: spring", "wall friction", "loaded walls", "rotation"):
+        assert {rows[effect][e] for e in ENGINES} <= {"exact", "equivalent"}
+    kernels = {effect: {r[e] for e in ENGINES if e.startswith("kernel")} for effect, r in rows.items()}
+    assert {effect for effect, levels in kernels.items() if levels != {"exact"}} == {"normal contact: jkr"}
+
+
+def test_defects_are_what_the_engines_state():
+    rows = engines_answer().data["defects"]
+    stated = {(name, d.name) for name, engine in ENGINES.items() for d in engine.known_defects()}
+    assert {(r["engine"], r["defect"]) for r in rows} == stated
+    assert all(all(r.values()) for r in rows)
+    assert {"lammps", "liggghts"} <= {r["engine"] for r in rows}
 
 
 def test_every_judgement_has_its_note_once():

@@ -40,6 +40,13 @@ def test_a_table_without_rows_says_so_and_no_table_says_nothing():
     assert "nothing" not in page(text="x")
 
 
+def test_long_commands_are_wrapped_not_cut():
+    html = render_page(title="T", lead="L", sections=[Section(heading="H", text="cd /a/long/path")])
+    style = html[html.index("  pre {"):].split("}")[0]
+    assert "white-space: pre-wrap; overflow-wrap: anywhere" in style
+    assert "<pre>cd /a/long/path</pre>" in html
+
+
 def test_figures_are_pictures_within_the_page():
     figure, axes = figures.new_figure(1, 2, width=4, height=2)
     axes[0, 0].plot([0, 1], [0, 1])

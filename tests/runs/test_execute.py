@@ -130,6 +130,20 @@ def test_damage_is_reported_in_one_line_and_redone(engine, system, root, begun, 
     assert list_runs(root) == [(folder, outcome, "")]
 
 
+@pytest.mark.parametrize(("damage", "said"), [
+    (lambda f: flip(f / "deck.json"), "deck.json is not what was run"),
+    (lambda f: (f / "deck.json").unlink(), "deck.json is missing"),
+    (lambda f: (f / "identity.json").write_text("{}"), "identity.json is not what was run"),
+])
+def test_a_deck_that_was_edited_is_not_taken_for_what_was_run(engine, system, root, begun, caplog, damage, said):
+    _, folder = run_one(engine, system, root, time_limit=LIMIT)
+    damage(folder)
+    run_one(engine, system, root, time_limit=LIMIT)
+    run_one(engine, system, root, time_limit=LIMIT)
+    assert begun() == 2
+    assert caplog.messages == [f"{folder.name}: {said}; run again"]
+
+
 def test_unfinished_folder_is_redone_from_clean(engine, system, root, begun, caplog):
     _, folder = run_one(engine, system, root, time_limit=LIMIT)
     (folder / "outcome.json").unlink()
@@ -137,7 +151,8 @@ def test_unfinished_folder_is_redone_from_clean(engine, system, root, begun, cap
     run_one(engine, system, root, time_limit=LIMIT)
     assert begun() == 2
     assert not (folder / "stale").exists()
-    assert not caplog.messages
+    (line,) = caplog.messages
+    assert line == f"{folder.name}: outcome.json is missing, the run was not finished; run again"
 
 
 def test_a_changed_deck_is_run_again(in_mode, system, root, begun, caplog):

@@ -13,6 +13,39 @@ from harness.scene.load import load_scene
 
 LINEAR = {"law": "linear", "normal_stiffness": 1e5, "normal_damping": 0.1, "attraction": "allowed"}
 SPRING = {"law": "spring", "shear_friction": 0.5, "shear_stiffness": 2e4, "shear_damping": 0.025}
+NORMALS = {
+    "linear": LINEAR,
+    "hertz": {
+        "law": "hertz", "youngs_modulus": 1e8, "poisson_ratio": 0.3, "restitution": 0.9, "attraction": "allowed",
+        "impact_speed": 0.1,
+    },
+    "hysteretic": {
+        "law": "hysteretic", "loading_stiffness": 5e4, "unloading_stiffness": 1e5, "adhesion_stiffness": 2e4,
+        "normal_damping": 0.05,
+    },
+    "hysteretic_variable": {
+        "law": "hysteretic_variable", "loading_stiffness": 5e4, "largest_unloading_stiffness": 1e5,
+        "adhesion_stiffness": 2e4, "plasticity_depth": 0.05, "normal_damping": 0.05,
+    },
+    "dmt": {
+        "law": "dmt", "youngs_modulus": 1e8, "poisson_ratio": 0.3, "surface_energy": 0.05, "normal_damping": 0.01,
+        "impact_speed": 0.1,
+    },
+    "jkr": {
+        "law": "jkr", "youngs_modulus": 1e8, "poisson_ratio": 0.3, "surface_energy": 0.05, "normal_damping": 0.01,
+        "impact_speed": 0.1,
+    },
+}
+SLIDINGS = {
+    "spring": SPRING,
+    "mindlin": {"law": "mindlin", "shear_friction": 0.5},
+    "viscous": {"law": "viscous", "shear_friction": 0.5, "shear_damping": 0.1},
+}
+ROLLINGS = {
+    "spring": {"law": "spring", "rolling_friction": 0.1, "rolling_stiffness": 1e4, "rolling_damping": 0.01},
+    "constant": {"law": "constant", "rolling_friction": 0.1},
+}
+TORSION = {"law": "spring", "torsion_friction": 0.1, "torsion_stiffness": 1e4, "torsion_damping": 0.01}
 OUTPUTS = {"samples": 20, "frames": 10, "contacts": True}
 
 BIAXIAL = {
@@ -47,6 +80,15 @@ FREE = {
 FLOOR = {"name": "floor", "point": [0.0, 0.0], "normal": [0.0, 2.0], "friction": True}
 LID = {"name": "lid", "point": [0.0, 5e-3], "normal": [0.0, -1.0], "friction": False}
 
+BALLS = {
+    "dimension": 3,
+    "bodies": [
+        {"position": [0.0, 2e-3, 0.0], "radius": 1e-3, "mass": 1e-5, "velocity": [0.1, 0, 0], "spin": [1.0, 2.0, 3.0]},
+        {"position": [2.1e-3, 2e-3, 0.0], "radius": 1e-3, "mass": 1e-5},
+    ],
+}
+"""Changes that turn `FREE` into two spheres in space."""
+
 REMOVE = object()
 
 
@@ -77,14 +119,15 @@ def edited(data: dict, changes: dict) -> dict:
         if value is REMOVE:
             del table[last]
         else:
-            table[last] = value
+            table[last] = copy.deepcopy(value)
     return data
 
 
 class Scenes:
     """Writes scenes into a folder and loads them."""
 
-    biaxial, free, floor, lid, remove = BIAXIAL, FREE, FLOOR, LID, REMOVE
+    biaxial, free, floor, lid, remove, balls = BIAXIAL, FREE, FLOOR, LID, REMOVE, BALLS
+    normals, slidings, rollings, torsion = NORMALS, SLIDINGS, ROLLINGS, TORSION
     dump, edited = staticmethod(dump), staticmethod(edited)
 
     def __init__(self, folder: Path):

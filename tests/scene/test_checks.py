@@ -144,7 +144,7 @@ def test_motion_zero_is_no_motion(scenes, motion):
 def test_rough_plane_needs_sliding(scenes):
     changes = {"contact.sliding": scenes.remove}
     assert planes_refused(scenes, scenes.floor, **changes).startswith(
-        "planes[0].friction: expected false, as there is no table contact.sliding, got true"
+        "planes[0].friction: expected false, as there is no table contact.sliding, rolling or torsion, got true"
     )
 
 
@@ -203,19 +203,32 @@ def test_particle_behind_a_plane(scenes):
     )
 
 
-def test_centres_at_one_place(scenes):
-    assert scenes.refusal(scenes.free, {"bodies.1.position": [0.0, 2e-3]}) == (
-        "scene.toml: bodies[1].position: expected a centre apart from that of bodies[0], got [0.0, 0.002] for both"
+DEEP = "expected an overlap with bodies[0] of at most half the smaller radius, 0.0005 m, got"
+
+
+def test_bodies_inside_each_other(scenes):
+    assert scenes.refusal(scenes.free, {"bodies.1.position": [1.4e-3, 2e-3]}) == (
+        f"scene.toml: bodies[1].position: {DEEP} 0.0006 m; move them apart"
+    )
+    small = {"bodies.1.position": [1.2e-3, 2e-3], "bodies.1.radius": 0.5e-3}
+    assert "half the smaller radius, 0.00025 m, got 0.0003 m" in scenes.refusal(scenes.free, small)
+
+
+def test_bodies_inside_each_other_across_the_periodic_box(scenes):
+    changes = {"periodic": [0.01, 0.0], "bodies.1.position": [0.009, 2e-3]}
+    assert f"{DEEP} 0.001 m" in scenes.refusal(scenes.free, changes)
+
+
+def test_body_deep_in_a_wall(scenes):
+    assert planes_refused(scenes, scenes.floor | {"point": [0.0, 1.6e-3]}) == (
+        'bodies[0].position: expected an overlap with the wall "floor" of at most half the smaller radius, 0.0005 m, '
+        "got 0.0006 m; move them apart"
     )
 
 
-def test_centres_at_one_place_across_the_periodic_box(scenes):
-    changes = {"periodic": [0.01, 0.0], "bodies.1.position": [0.01 * (1 - 1e-16) - 1e-14, 2e-3]}
-    assert "a centre apart from that of bodies[0]" in scenes.refusal(scenes.free, changes)
-
-
-def test_overlap_short_of_that_is_allowed(scenes):
-    assert isinstance(scenes.load(scenes.free, {"bodies.1.position": [1e-5, 2e-3]}), Free)
+def test_shallow_overlaps_are_allowed(scenes):
+    changes = {"bodies.1.position": [1.6e-3, 2e-3], "planes": [scenes.floor | {"point": [0.0, 1.4e-3]}]}
+    assert isinstance(scenes.load(scenes.free, changes), Free)
 
 
 def test_particle_outside_the_periodic_box(scenes):

@@ -18,10 +18,10 @@ def test_numbers_of_the_talks_box(scenes):
     derived = derive(scenes.load(scenes.biaxial, TALK))
     mean = derived.pairs[1]
     assert derived.grains.total_mass == pytest.approx(0.02042, rel=1e-3)
-    assert mean.time_scale == pytest.approx(2.039e-5, rel=1e-3)
-    assert mean.restitution_allowed == pytest.approx(0.784, abs=5e-4)
-    assert [p.name for p in derived.pairs] == ["smallest", "mean radius", "largest"]
-    assert derived.pairs[0].time_scale < mean.time_scale < derived.pairs[2].time_scale
+    assert mean.met.time_scale == pytest.approx(2.039e-5, rel=1e-3)
+    assert mean.met.fact("restitution, attraction allowed").value == pytest.approx(0.784, abs=5e-4)
+    assert [p.pair.name for p in derived.pairs] == ["smallest", "mean radius", "largest"]
+    assert derived.pairs[0].met.time_scale < mean.met.time_scale < derived.pairs[2].met.time_scale
 
 
 def test_declared_averages_are_those_of_drawn_radii(scenes):
@@ -105,5 +105,5 @@ def test_free_scenes_have_no_rate(scenes):
 
 def test_steps_per_contact(scenes):
     derived = derive(scenes.load(scenes.biaxial))
-    assert derived.steps_per_contact == pytest.approx(derived.pairs[0].time_scale / derived.plan.dt)
+    assert derived.steps_per_contact == pytest.approx(derived.pairs[0].met.time_scale / derived.plan.dt)
     assert 20 <= derived.steps_per_contact < 20.1

@@ -73,7 +73,7 @@ def test_missing_folder_and_pipe(scenes):
         ("x,y,radius,mass,inertia\n0,0,1,1,2\n", 'line 2, column inertia: expected "sphere", "disc", "ring" or a'),
         ("x,y,radius,mass,vy\n0,0,1,1,2\n", "header: expected all of vx,vy or none, got vy; add the column vx"),
         ('x,y,radius,mass\n"0,0,1,1\n', "expected a CSV file, got an error: unexpected end of data"),
-        ("x,y,radius,mass\n0,0,1,1e-5\n0,0,1,1e-5\n", "line 3, position: expected a centre apart from that of"),
+        ("x,y,radius,mass\n0,0,1,1e-5\n0,0,1,1e-5\n", "line 3, position: expected an overlap with line 2 of"),
         (b"x,y,radius,mass\n0,\xe4,1,1\n", "line 2: expected UTF-8 text, got the byte 0xe4"),
     ],
 )

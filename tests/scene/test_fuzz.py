@@ -27,6 +27,7 @@ NUMBERS = st.one_of(
 TEXTS = st.one_of(
     st.text(st.characters(exclude_categories=["Cs"]), max_size=12),
     st.sampled_from(["uniform", "spring", "loaded", "${x}", "a\nb", "../../etc/passwd", "/dev/zero", "free", "disc"]),
+    st.sampled_from(["linear", "hertz", "hysteretic", "hysteretic_variable", "dmt", "jkr", "viscous", "constant"]),
 )
 SCALARS = st.one_of(NUMBERS, TEXTS, st.booleans(), st.just(datetime.date(2020, 1, 1)))
 VALUES = st.recursive(
@@ -79,6 +80,39 @@ def rich(scenes):
     })
 
 
+def spheres(scenes, normal, sliding, rolling):
+    """Two spheres over a plane with every table of contact laws."""
+    floor = scenes.floor | {"point": [0.0, 0.0, 0.0], "normal": [0.0, 1.0, 0.0]}
+    contact = {
+        "normal": scenes.normals[normal], "sliding": scenes.slidings[sliding], "rolling": scenes.rollings[rolling],
+        "torsion": scenes.torsion,
+    }
+    motion = {"kind": "loaded", "mass": 1e-3, "load": 2.0, "damping": 0.5}
+    lid = floor | {"name": "lid", "point": [0.0, 8e-3, 0.0], "normal": [0.0, -1.0, 0.0], "motion": motion}
+    changes = {"contact": contact, "planes": [floor, lid], "numerics.dt_fraction": 0.002}
+    return scenes.edited(scenes.free, scenes.balls | changes)
+
+
+def lawful(scenes):
+    """Each law in a scene of its own."""
+    dynamic = {"contact.sliding.dynamic_friction": 0.3}
+    return [
+        spheres(scenes, "hertz", "mindlin", "spring"),
+        scenes.edited(spheres(scenes, "hysteretic", "spring", "constant"), dynamic),
+        spheres(scenes, "hysteretic_variable", "viscous", "spring"),
+        spheres(scenes, "dmt", "spring", "constant"),
+        spheres(scenes, "jkr", "viscous", "constant"),
+        scenes.edited(box(scenes), {"contact.normal": scenes.normals["hysteretic_variable"]}),
+        scenes.edited(box(scenes), {"contact.normal": scenes.normals["hysteretic"]}),
+    ]
+
+
+def test_lawful_scenes_load(shared_scenes):
+    """What is fuzzed below is right before it is changed."""
+    for base in (rich(shared_scenes), box(shared_scenes), *lawful(shared_scenes)):
+        shared_scenes.load(base)
+
+
 def box(scenes):
     windows = [{"pairs": "codes", "strain": 0.01, "tolerance": 1e-2}]
     compare = {"packings": 2, "plateau": [0.05, 0.1], "windows": windows, "published": ["talk_frictionless_100"]}
@@ -88,7 +122,7 @@ def box(scenes):
 @FUZZ
 @given(data=st.data())
 def test_any_value_at_any_place(shared_scenes, data):
-    base = data.draw(st.sampled_from([rich(shared_scenes), box(shared_scenes)]))
+    base = data.draw(st.sampled_from([rich(shared_scenes), box(shared_scenes), *lawful(shared_scenes)]))
     for _ in range(data.draw(st.integers(1, 2))):
         place = data.draw(st.sampled_from(list(paths(base))))
         value = data.draw(st.one_of(st.just(shared_scenes.remove), NUMBERS, VALUES))
@@ -100,7 +134,7 @@ def test_any_value_at_any_place(shared_scenes, data):
 @given(data=st.data())
 def test_positive_numbers_of_any_size(shared_scenes, data):
     """Sizes that the schema lets through must not overflow on the way."""
-    base = data.draw(st.sampled_from([rich(shared_scenes), box(shared_scenes)]))
+    base = data.draw(st.sampled_from([rich(shared_scenes), box(shared_scenes), *lawful(shared_scenes)]))
     sizes = st.floats(-30, 30).map(lambda e: 10.0**e)
     places = [p for p in paths(base) if isinstance(value_at(base, p), float)]
     for place in data.draw(st.lists(st.sampled_from(places), min_size=1, max_size=4)):

@@ -82,7 +82,7 @@ def test_integer_too_long_to_read(scenes):
         (
             {"contact.sliding.shear_stifness": 1.0},
             "contact.sliding.shear_stifness: expected one of law, shear_friction, shear_stiffness, shear_damping, "
-            'got the unknown key "shear_stifness"; did you mean shear_stiffness?',
+            'dynamic_friction, got the unknown key "shear_stifness"; did you mean shear_stiffness?',
         ),
         ({"colour": "red"}, 'colour: expected one of kind, title, particles, preparation, contact, top, side,'),
         ({"top": 3}, "top: expected a table, got 3"),
@@ -102,16 +102,46 @@ def test_integer_too_long_to_read(scenes):
             'particles.inertia: expected "disc", "ring" or "sphere" or a number > 0 and <= 1, got "rung"; '
             "did you mean ring?",
         ),
-        ({"contact.normal.law": "hertz"}, 'contact.normal.law: expected "linear", got "hertz"'),
+        ({"contact.normal.law": "hooke"}, 'contact.normal.law: expected "linear", "hertz", "hysteretic", '),
+        (
+            {"contact.normal.law": "hertz"},
+            "contact.normal.normal_stiffness: expected one of law, youngs_modulus, poisson_ratio, restitution, "
+            'attraction, impact_speed, got the unknown key "normal_stiffness"; did you mean '
+            'contact.normal.normal_stiffness with law = "linear"?',
+        ),
         ({"particles.mass.kind": "dics"}, 'particles.mass.kind: expected "sphere" or "disc", got "dics"; did'),
         ({"particles.mass": [1]}, 'particles.mass: expected a table with kind = "sphere" or "disc", got [1]'),
         ({"compare.plateau": [0.05]}, "compare.plateau: expected two numbers, a range of strains, got [0.05]"),
+        ({"compare.packings": 1000000}, "compare.packings: expected an integer >= 1 and <= 1000, got 1000000"),
         ({"compare.windows": 2}, "compare.windows: expected an array of tables, got 2"),
         ({"compare.windows": [{}]}, 'compare.windows[0].pairs: expected "codes" or "same_conventions", got nothing'),
     ],
 )
 def test_schema(scenes, changes, message):
     assert scenes.refusal(scenes.biaxial, changes).startswith(f"scene.toml: {message}")
+
+
+@pytest.mark.parametrize(
+    ("changes", "place"),
+    [
+        ({"packing": "p.csv"}, "particles.packing"),
+        ({"duration": 1.0}, "top.duration"),
+        ({"mass": 1.0}, "particles.mass or side.mass"),
+        ({"contact.shear_friction": 0.5}, "contact.sliding.shear_friction"),
+        ({"top.tolerance": 1.0}, "compare.windows[].tolerance"),
+        ({"periodic": [1.0, 1.0]}, 'periodic of a scene with kind = "free"'),
+    ],
+)
+def test_a_key_at_the_wrong_place_is_told_where_it_belongs(scenes, changes, place):
+    assert f"; did you mean {place}" in scenes.refusal(scenes.biaxial, changes)
+
+
+def test_a_key_of_another_kind_of_table_is_told_its_kind(scenes):
+    moving = scenes.floor | {"motion": {"kind": "constant", "velocity": [1.0, 0.0], "travel": 1.0}}
+    message = scenes.refusal(scenes.free, {"planes": [moving]})
+    assert message.endswith('; did you mean planes[].motion.travel with kind = "cosine"?')
+    message = scenes.refusal(scenes.free, {"planes": [scenes.floor | {"travel": 1.0}]})
+    assert message.endswith('; did you mean planes[].motion.travel with kind = "cosine"?')
 
 
 @pytest.mark.parametrize(

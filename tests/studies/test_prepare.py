@@ -3,10 +3,13 @@
 import numpy as np
 import pytest
 
+from harness.engines.kernel.deck import render_deck
 from harness.errors import InputError
 from harness.scene.load import load_scene
 from harness.studies.prepare import prepare
 from harness.studies.single import single_run
+from reference.kernel.deck import read_deck
+from reference.kernel.simulation import Simulation
 
 LIMIT = 60.0
 SMALL = ("count = 9", "count = 12")
@@ -42,6 +45,34 @@ def test_each_packing_has_its_own_seed_and_is_made_once(box, tmp_path):
     (again,) = prepare(small.scene, small.file, packings=None, cache=tmp_path / "packings")
     assert np.array_equal(again.system.particles.x, starts[0].system.particles.x)
     assert {p: p.stat().st_mtime_ns for p in (tmp_path / "packings").iterdir()} == written
+
+
+def test_too_many_packings_are_refused_before_any_is_made(box, tmp_path):
+    with pytest.raises(InputError, match="--packings: expected a number from 1 to 1000, got 1001"):
+        prepare(box.scene, box.file, packings=1001, cache=tmp_path / "packings")
+    assert not (tmp_path / "packings").exists()
+
+
+MEMORY = (
+    'law = "hysteretic", loading_stiffness = 2e4, unloading_stiffness = 1e5, adhesion_stiffness = 3e4, '
+    "normal_damping = "
+)
+
+
+def test_a_box_with_memory_starts_in_balance(box, tmp_path):
+    """Contacts begin with k_1 and without memory: only a packing relaxed with k_1 is at rest under them."""
+    linear = 'law = "linear", normal_stiffness = 1e5, normal_damping = '
+    small = box.changed(SMALL, (linear, MEMORY), (', attraction = "allowed"', ""))
+    (start,) = prepare(small.scene, small.file, packings=1, cache=tmp_path / "packings")
+    for name, text in render_deck(start.system, "talk").items():
+        (tmp_path / name).write_text(text)
+    forces = Simulation(read_deck(tmp_path)[0]).state.force
+    width, height = start.packing.box
+    pressure, count = small.scene.preparation.pressure, len(start.system.particles)
+    assert np.abs(forces[:, :count]).max() < 1e-6 * pressure * width
+    _, _, right, top = forces[:, count:].T
+    assert right[0] == pytest.approx(pressure * height, rel=1e-6)
+    assert top[1] == pytest.approx(pressure * width, rel=1e-6)
 
 
 def test_the_scene_says_how_many(box, tmp_path):

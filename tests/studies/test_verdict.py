@@ -53,4 +53,3 @@ def test_not_checked_has_no_number():
 def test_the_command_that_repeats_is_safe_to_paste():
     rerun = Rerun(scene_file=Path("my $(rm) scene.toml"), out=Path("o ut"), packings=3)
     assert rerun("a", "b") == "grainproof compare 'my $(rm) scene.toml' --engines a,b --out 'o ut' --packings 3"
-    assert rerun.of_scene() == "grainproof scene 'my $(rm) scene.toml'"

@@ -1,4 +1,7 @@
-"""A system as the kernel's deck: kernel.json and particles.csv. Effects that are off have no key."""
+"""A system as the kernel's deck: kernel.json and particles.csv. Effects that are off have no key.
+
+Laws go in as the scene has them, by their word `law` and the scene's own names of parameters.
+"""
 
 from __future__ import annotations
 
@@ -21,11 +24,7 @@ def render_deck(system: System, convention: str) -> dict[str, str]:
         "convention": convention,
         "dt": system.dt,
         "plan": _plan(system),
-        "normal": {
-            "normal_stiffness": system.normal.normal_stiffness,
-            "normal_damping": system.normal.normal_damping,
-            "clip_attraction": system.normal.attraction == "clipped",
-        },
+        "normal": _law(system.normal),
         "walls": [_wall(w, system) for w in system.walls],
         **_optional(system),
     }
@@ -38,10 +37,8 @@ def _plan(system: System) -> dict:
 
 
 def _optional(system: System) -> dict:
-    on: dict = {}
-    if system.sliding is not None:
-        s = system.sliding
-        on["sliding"] = {k: getattr(s, k) for k in ("shear_friction", "shear_stiffness", "shear_damping")}
+    laws = {family: getattr(system, family) for family in ("sliding", "rolling", "torsion")}
+    on: dict = {family: _law(law) for family, law in laws.items() if law is not None}
     if system.background is not None:
         on["drag"] = system.background.translational_drag
     if system.gravity is not None:
@@ -51,6 +48,14 @@ def _optional(system: System) -> dict:
     if system.rotations:
         on["rotations"] = True
     return on
+
+
+def _law(law) -> dict:
+    """The scene's table of a law, without what is not given and without what only chooses the time step."""
+    import msgspec
+
+    table = msgspec.to_builtins(law)
+    return {k: v for k, v in table.items() if v is not None and k != "impact_speed"}
 
 
 def _wall(wall: Wall, system: System) -> dict:

@@ -11,6 +11,7 @@ import json
 import os
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 from harness.engines.lammps.deck import CONTACTS, DECK, LOG, MARKER
@@ -73,10 +74,14 @@ def main(folder: str) -> int:
     return 0
 
 
-if __name__ == "__main__":
+def said(main: Callable[[str], int], folder: str) -> int:
+    """Return the exit status of main(folder); after an error say which and end this process at once."""
     try:
-        status = main(sys.argv[1])
-    except Exception as error:  # the instance may be broken: say what happened and leave at once
+        return main(folder)
+    except Exception as error:  # the instance may be broken: nothing of it may be touched any more
         print(f"{type(error).__name__}: {error}", flush=True)
         os._exit(1)
-    sys.exit(status)
+
+
+if __name__ == "__main__":
+    sys.exit(said(main, sys.argv[1]))

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+import numpy as np
+
 from harness.engines.facts import loaded_walls
 from harness.engines.lammps.box import Box, simulation_box
 from harness.engines.lammps.effects import drag_lines, gravity_lines, integration_lines
-from harness.engines.lammps.law import contact_law
+from harness.engines.lammps.law import pair_law
 from harness.engines.lammps.neighbours import neighbour_lines
 from harness.engines.lammps.output import (
     check_interval,
@@ -15,8 +19,8 @@ from harness.engines.lammps.output import (
 )
 from harness.engines.lammps.packing import kinds, packing_data
 from harness.engines.lammps.walls import beyond_lines, loaded_wall_lines, wall_lines
-from harness.engines.text import comment
-from harness.scene.system import System
+from harness.engines.text import comment, number
+from harness.scene.system import INERTIA_FACTOR, System
 
 DECK, PACKING, CONTACTS = "in.lammps", "packing.data", "contacts.in"
 LOG = "log.lammps"
@@ -36,7 +40,7 @@ def render(system: System) -> dict[str, str]:
 def _deck(system: System, box: Box) -> str:
     lines = [
         *_title_lines(system),
-        *_atom_lines(system, box),
+        *atom_lines(system, box),
         *contact_lines(system, box),
         *integration_lines(system),
         *gravity_lines(system.gravity),
@@ -50,26 +54,57 @@ def _deck(system: System, box: Box) -> str:
     return "\n".join(lines) + "\n"
 
 
+def render_prescribed(system: System) -> dict[str, str]:
+    """Return the deck of prescribed motion: the law alone. Nothing integrates, pulls or drags the bodies.
+
+    Raises ValueError for a wall that moves.
+    """
+    if any(w.motion is not None for w in system.walls):
+        raise ValueError("prescribed motion knows fixed planes only")
+    alike = replace(system.particles, inertia_factor=np.full(len(system.particles), INERTIA_FACTOR["sphere"]))
+    still = system.with_(particles=alike, contacts=False)
+    box = simulation_box(still)
+    lines = [
+        _title(still),
+        "# LAMMPS 22 Jul 2025, led by grainproof: a state from outside for every step, and no integrator",
+        *atom_lines(still, box),
+        *contact_lines(still, box),
+        *wall_lines(still),
+        "",
+        "# histories move on by this",
+        f"timestep {number(system.dt)}",
+        "thermo_style custom step atoms",
+        "thermo_modify lost error",
+        "",
+        "run 0 post no",
+    ]
+    return {DECK: "\n".join(lines) + "\n", PACKING: packing_data(still, box)}
+
+
 def contact_lines(system: System, box: Box) -> list[str]:
     """Return the contact law between grains and the neighbour search."""
     return [
         "",
         "# contacts between grains",
         "pair_style granular",
-        f"pair_coeff * * {contact_law(system.normal, system.sliding)}",
+        f"pair_coeff * * {pair_law(system)}",
         *neighbour_lines(system, box),
     ]
 
 
+def _title(system: System) -> str:
+    return f"# {comment(system.scene_name)}: {comment(system.title)}".rstrip(": ")
+
+
 def _title_lines(system: System) -> list[str]:
     return [
-        f"# {comment(system.scene_name)}: {comment(system.title)}".rstrip(": "),
+        _title(system),
         "# LAMMPS 22 Jul 2025; run it by: lmp -in in.lammps"
         + (", then: lmp -in contacts.in" if system.contacts else ""),
     ]
 
 
-def _atom_lines(system: System, box: Box) -> list[str]:
+def atom_lines(system: System, box: Box) -> list[str]:
     """Return what stands before any physics.
 
     `newton off` and no sorting keep the order of a pair fixed, one rank keeps sums in one order.

@@ -9,7 +9,7 @@ so that a run with contact output is the same, bit for bit, as one without.
 from __future__ import annotations
 
 from harness.engines.family import MEAN_SPIN, rotation_lines
-from harness.engines.lammps.law import NO_LIMIT, contact_law
+from harness.engines.lammps.law import clone_stiffness, pair_law, springs_law
 from harness.engines.lammps.walls import force_sums
 from harness.engines.text import comment
 from harness.scene.system import System
@@ -56,11 +56,11 @@ def contacts_deck(system: System, neighbours: list[str]) -> str:
     """Return contacts.in: for every restart file a clone whose contacts are written out.
 
     total: law and velocities as they are, so force = elastic + damping with full-step velocities.
-    springs: v = w = 0 and unlimited friction, so the tangential force is -k_t u exactly.
+    springs: v = w = 0 and unlimited friction, so the tangential force is -k u exactly.
     The pair style is given again, because pair granular does not restore its cutoffs from a restart
     file: they are whatever stood in memory, and contacts go missing. The springs are kept.
     """
-    law = contact_law(system.normal, system.sliding)
+    law = pair_law(system)
     lines = [
         f"# contacts of {comment(system.scene_name)}, from the restart files of in.lammps",
         f"variable frame loop 0 {system.steps // system.frame_every}",
@@ -68,8 +68,8 @@ def contacts_deck(system: System, neighbours: list[str]) -> str:
         f"variable at equal ${{frame}}*{system.frame_every}",
         *_clone_lines(system, TOTAL, [*neighbours, "pair_style granular", f"pair_coeff * * {law}"]),
     ]
-    if system.sliding is not None:
-        no_slip = contact_law(system.normal, system.sliding, friction=NO_LIMIT)
+    if clone_stiffness(system.sliding) is not None:
+        no_slip = springs_law(system)
         at_rest = ["velocity all set 0 0 0", "set group all omega 0 0 0"]
         settings = [*neighbours, "pair_style granular", f"pair_coeff * * {no_slip}", *at_rest]
         lines += _clone_lines(system, SPRINGS, settings)

@@ -5,21 +5,26 @@ from __future__ import annotations
 import numpy as np
 
 from harness.engines.facts import crossing_walls, narrow_axes, rotates
+from harness.engines.lammps.defects import JKR_AT_REGION
+from harness.engines.lammps.law import (
+    NORMAL,
+    ROLLING,
+    SLIDING,
+    TORSION,
+    Row,
+    constant_damping,
+    constant_ratio,
+    one_reduced_radius,
+)
 from harness.engines.lammps.packing import INTEGRATORS
-from harness.engines.protocol import Support
+from harness.engines.protocol import Level, Support
 from harness.scene.effects import effects_on
+from harness.scene.model import DmtNormal, JkrNormal
 from harness.scene.system import INERTIA_FACTOR, Constant, System
 
-EXACT = "same formula; matched to rounding against an independent velocity-Verlet integration"
-NOTES = {
-    "normal contact": ("exact", f"pair granular hooke: {EXACT}"),
-    "normal damping": ("exact", "damping velocity; forces see half-step velocities v(t+dt/2)"),
+NOTES: dict[str, tuple[Level, str]] = {
+    "normal damping": ("exact", "forces see half-step velocities v(t+dt/2)"),
     "damping attraction": ("exact", "no limit_damping: the dashpot may pull"),
-    "sliding friction": (
-        "equivalent",
-        "linear_history: the spring is turned with the normal and keeps its length, cut so that spring "
-        "and dashpot together obey Coulomb's limit mu |f_n|, f_n with damping; lever arm R - overlap/2",
-    ),
     "wall friction": ("equivalent", "the law between grains with R_eff = R, m_eff = m and lever arm R"),
     "rotation": ("exact", "fix nve/sphere, with disc for q = 1/2"),
     "background drag": ("exact", "fix viscous on half-step velocities"),
@@ -27,16 +32,34 @@ NOTES = {
     "periodic axes": ("exact", "boundary p"),
     "driven walls": ("exact", "region move: the wall velocity is the half-step one, by difference of positions"),
     "loaded walls": ("exact", "a carrier atom integrates the wall by velocity Verlet"),
+    "dynamic friction": (
+        "unsupported", "tangential linear_history takes one coefficient: a second one is an illegal pair_coeff command"
+    ),
 }
+FAMILIES: dict[str, tuple[str, dict[type, Row]]] = {
+    "normal contact": ("normal", NORMAL),
+    "adhesion": ("normal", NORMAL),
+    "plastic memory": ("normal", NORMAL),
+    "sliding friction": ("sliding", SLIDING),
+    "rolling resistance": ("rolling", ROLLING),
+    "torsion resistance": ("torsion", TORSION),
+}
+"""Effects that laws bring: the system's field that holds the law, and the table that knows it."""
 
 
 def judge(system: System) -> tuple[Support, ...]:
     """Return one judgement an effect, and one for each thing LAMMPS cannot do."""
-    found = [_known(effect) for effect in effects_on(system)]
+    found = [_known(system, effect) for effect in effects_on(system)]
     return (*found, *(s for check in _CHECKS for s in check(system)))
 
 
-def _known(effect: str) -> Support:
+def _known(system: System, effect: str) -> Support:
+    """Judge an effect; laws stand behind a colon in its name."""
+    family = effect.partition(":")[0]
+    if family in FAMILIES:
+        field, rows = FAMILIES[family]
+        row = rows[type(getattr(system, field))]
+        return Support(effect=effect, level=row.level, note=row.note)
     if effect not in NOTES:
         return Support(effect=effect, level="unsupported", note="the LAMMPS engine does not know this effect")
     level, note = NOTES[effect]
@@ -45,13 +68,48 @@ def _known(effect: str) -> Support:
 
 def _shear_damping(system: System) -> list[Support]:
     """LAMMPS has tangential damping as a multiple of the normal one only."""
-    sliding = system.sliding
-    if sliding is None or sliding.shear_damping == 0.0:
+    gamma = constant_damping(system.sliding)
+    if gamma == 0.0:
         return []
+    if not constant_ratio(system.normal, gamma):
+        note = "it is a multiple of the normal damping, which varies with the overlap in this normal law"
+        return [Support(effect="tangential damping", level="unsupported", note=note)]
     note = "x_t = gamma_t/gamma_n"
-    if system.normal.normal_damping == 0.0:
+    if getattr(system.normal, "normal_damping", 0.0) == 0.0:
         note = "gamma_n = 0: a normal damping of 2^-100 gamma_t, lost in rounding, carries x_t = 2^100"
     return [Support(effect="tangential damping", level="equivalent", note=note)]
+
+
+def _adhesive_limit(system: System) -> list[Support]:
+    """Under adhesion friction is limited by a multiple of more than the force."""
+    if not isinstance(system.normal, DmtNormal | JkrNormal) or not rotates(system):
+        return []
+    note = "mu |f_el + 2 f_pulloff|, without damping (Thornton, J. Phys. D 24, 1942 (1991)), in place of mu |f_n|"
+    return [Support(effect="limit of friction", level="equivalent", note=note)]
+
+
+def _adhesive_walls(system: System) -> list[Support]:
+    if not isinstance(system.normal, JkrNormal) or not system.walls:
+        return []
+    return [Support(effect="walls", level="known_wrong", note=JKR_AT_REGION.evidence)]
+
+
+def _torsion(system: System) -> list[Support]:
+    """LAMMPS takes constants in N m, which are the scene's for one reduced radius only."""
+    if system.torsion is None or one_reduced_radius(system):
+        return []
+    note = (
+        "twisting sds takes constants in N m (k_o a*^2, gamma_o a*^2, mu_o a*), one set for all contacts,"
+        " and the reduced radius a* is not the same for all that can be"
+    )
+    return [Support(effect="reduced radius", level="unsupported", note=note)]
+
+
+def _contact_output(system: System) -> list[Support]:
+    if not system.contacts or not isinstance(system.normal, JkrNormal):
+        return []
+    note = "compute pair/local lists overlapping pairs; those that jkr holds beyond overlap zero are left out"
+    return [Support(effect="contact output", level="unsupported", note=note)]
 
 
 def _inertia(system: System) -> list[Support]:
@@ -94,4 +152,7 @@ def _narrow(system: System) -> list[Support]:
     return [Support(effect="periodic axes", level="unsupported", note=note)] if axes else []
 
 
-_CHECKS = (_shear_damping, _inertia, _pushed_at_start, _crossing, _narrow)
+_CHECKS = (
+    _shear_damping, _adhesive_limit, _adhesive_walls, _torsion, _contact_output, _inertia, _pushed_at_start, _crossing,
+    _narrow,
+)

@@ -16,8 +16,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from harness.engines.facts import carrier_id, is_periodic, is_rough, loaded_walls
-from harness.engines.lammps.law import contact_law, smooth_law
+from harness.engines.facts import carrier_id, is_periodic, loaded_walls
+from harness.engines.lammps.law import wall_law
 from harness.engines.text import number, numbers
 from harness.scene.system import Constant, Cosine, Loaded, System, Wall
 
@@ -46,6 +46,8 @@ def motion_lines(system: System, wall: Wall) -> list[str]:
         return _cosine_lines(system, name, motion)
     atom, axis = carrier_id(system, wall), "xyz"[carrier_axis(system)]
     return [
+        f"# carried by atom {atom}: displacement = 2^20 = {number(CARRIER_SCALE)} times its coordinate; a power of two",
+        "# rounds nothing, and the atom stays in the box wherever the wall goes",
         f"variable disp_{name} equal {number(CARRIER_SCALE)}*{axis}[{atom}]",
         f"variable rate_{name} equal {number(CARRIER_SCALE)}*v{axis}[{atom}]",
     ]
@@ -59,7 +61,10 @@ def loaded_wall_lines(system: System) -> list[str]:
     walls = loaded_walls(system)
     if not walls:
         return []
-    lines = ["", "# walls with a mass: m d'' = load + stress*extent + F.n - damping*d', F of the grains"]
+    lines = [
+        "", "# walls with a mass: m d'' = load + stress*extent + F.n - damping*d', F of the grains;",
+        f"# the atom that carries the wall gets this force over {number(CARRIER_SCALE)}, as its coordinate is",
+    ]
     for wall in walls:
         lines += _loaded_lines(system, wall)
     return lines
@@ -119,8 +124,7 @@ def _direction(wall: Wall) -> list[str]:
 
 
 def _contact_line(system: System, wall: Wall) -> str:
-    rough = is_rough(system, wall)
-    law = contact_law(system.normal, system.sliding) if rough else smooth_law(system.normal)
+    law = wall_law(system, wall)
     sums = " ".join(f"f_wall_{wall.name}[{a + 2}]" for a in range(system.dimension))
     return (
         f"fix wall_{wall.name} grains wall/gran/region granular {law} region plane_{wall.name} contacts\n"

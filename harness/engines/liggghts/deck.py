@@ -8,7 +8,7 @@ import numpy as np
 
 from harness.engines.facts import loaded_walls
 from harness.engines.liggghts.domain import Domain, domain_of
-from harness.engines.liggghts.law import law_lines
+from harness.engines.liggghts.law import header_lines, history, law_lines
 from harness.engines.liggghts.motions import carrier_lines, constant_motion_lines, motion_lines
 from harness.engines.liggghts.output import contact_computes, frame_lines, series_lines
 from harness.engines.liggghts.packing import packing_data
@@ -38,20 +38,22 @@ def render(system: System) -> dict[str, str]:
 def input_script(system: System, domain: Domain) -> str:
     """Return the text of in.liggghts, one group of lines an effect."""
     lines = [
-        *_header(system, domain), *_neighbour_lines(system, domain), *law_lines(system),
+        *opening_lines(system, domain), *neighbour_lines(system, domain), *law_lines(system),
         "", "# velocity Verlet", "fix integrate grains nve/sphere",
-        *_drag_lines(system), *_gravity_lines(system), *wall_lines(system),
-        *constant_motion_lines(system), *_flat_lines(system, domain),
+        *drag_lines(system), *gravity_lines(system), *wall_lines(system),
+        *constant_motion_lines(system), *flat_lines(system, domain),
         *contact_computes(system), *_first_force_lines(system), "", f"timestep {number(system.dt)}",
         *motion_lines(system), *series_lines(system), *frame_lines(system), *_run_lines(system),
     ]
     return "\n".join(lines) + "\n"
 
 
-def _header(system: System, domain: Domain) -> list[str]:
+def opening_lines(system: System, domain: Domain) -> list[str]:
+    """Return what stands before any physics: title, units, atoms."""
     particles = len(system.particles)
     return [
         f"# {comment(system.title) or system.scene_name}",
+        f"# LIGGGHTS-PUBLIC 3.8.0; run it by: liggghts -in {INPUT}",
         f"# {particles} particles, {system.steps} steps of {number(system.dt)} s",
         "units si",
         "atom_style granular",
@@ -60,54 +62,61 @@ def _header(system: System, domain: Domain) -> list[str]:
         *(["dimension 2"] if domain.discs else []),
         "newton off",
         "communicate single vel yes",
+        *header_lines(system),
         f"read_data {DATA}",
         *carrier_lines(system),
     ]
 
 
-def _neighbour_lines(system: System, domain: Domain) -> list[str]:
+def neighbour_lines(system: System, domain: Domain) -> list[str]:
     """Lists are renewed before anything can have moved by half a skin, so no contact is missed.
 
     contact_distance_factor keeps a pair known just after it opens, so that its spring is cleared:
     otherwise a spring outlives its contact until the next renewal of the lists.
     """
-    p = system.particles
-    skin = SKIN_IN_RADII * float(p.radius.mean())
-    factor = 1.0 if system.sliding is None else 1.01
+    skin = skin_of(system)
+    factor = 1.01 if history(system) else 1.0
     words = ["delay 0 every 1 check yes"]
-    if system.sliding is not None:
+    if history(system):
         words.append(f"contact_distance_factor {factor}")
-    words += _cell_words(domain, 2.0 * factor * float(p.radius.max()) + skin)
+    words += cell_words(domain, 2.0 * factor * float(system.particles.radius.max()) + skin)
     if loaded_walls(system):
         words.append("exclude group carriers all")
     return ["", "# neighbours", f"neighbor {number(skin)} bin", f"neigh_modify {' '.join(words)}"]
 
 
-def _cell_words(domain: Domain, cutoff: float) -> list[str]:
+def skin_of(system: System) -> float:
+    """Return how far beyond their reach particles are listed as neighbours, m."""
+    return SKIN_IN_RADII * float(system.particles.radius.mean())
+
+
+def cell_words(domain: Domain, cutoff: float, most: int = MAX_BINS) -> list[str]:
     """Return a cell size where half the cutoff, the default, would make too many cells."""
     axes = 2 if domain.discs else 3
     sides = np.diff(domain.bounds[:axes], axis=1)[:, 0]
     cells = math.prod(sides / (0.5 * cutoff))
-    if cells <= MAX_BINS:
+    if cells <= most:
         return []
-    return [f"binsize {number(0.5 * cutoff * (cells / MAX_BINS) ** (1.0 / axes))}"]
+    return [f"binsize {number(0.5 * cutoff * (cells / most) ** (1.0 / axes))}"]
 
 
-def _flat_lines(system: System, domain: Domain) -> list[str]:
+def flat_lines(system: System, domain: Domain) -> list[str]:
     """Keep a 2D system flat; behind all forces, as an oblique mesh may push out of the plane by rounding."""
     if system.dimension == 3:
         return []
     return ["", "fix flat all enforce2d" if domain.discs else "fix flat grains setforce NULL NULL 0.0"]
 
 
-def _drag_lines(system: System) -> list[str]:
+def drag_lines(system: System) -> list[str]:
+    """Return f = -c v on the particles, c in kg/s."""
     if system.background is None:
         return []
     drag = number(system.background.translational_drag)
     return ["", "# drag of the surroundings, f = -c v", f"fix drag grains viscous {drag}"]
 
 
-def _gravity_lines(system: System) -> list[str]:
+def gravity_lines(system: System) -> list[str]:
+    """Return f = m g on the particles; gravity in m/s^2."""
     if system.gravity is None:
         return []
     size = number(math.hypot(*system.gravity))

@@ -14,6 +14,7 @@ import numpy as np
 
 from harness.engines.facts import is_periodic, rotates, walls_across
 from harness.engines.liggghts.planes import anchor, is_still, mesh_velocity, meshes, reach
+from harness.scene.model import HertzNormal, LinearNormal, NormalLaw
 from harness.scene.system import INERTIA_FACTOR, Constant, Cosine, Loaded, System, Wall
 
 ROOM_IN_RADII = 4.0
@@ -38,14 +39,19 @@ def domain_of(system: System) -> Domain:
     dimension = system.dimension
     bounds = np.array([_bounds(system, a) for a in range(dimension)])
     styles = ["p" if is_periodic(system, a) else "f" for a in range(dimension)]
-    sphere = bool(np.all(system.particles.inertia_factor == INERTIA_FACTOR["sphere"]))
-    discs = dimension == 2 and not (rotates(system) and sphere)
+    discs = runs_as_discs(system)
     if dimension == 2:
         room = ROOM_IN_RADII * float(system.particles.radius.max())
         half = 2.0 * reach(bounds, dimension) + room if discs else room
         bounds = np.vstack([bounds, [-half, half]])
         styles.append("p" if discs else "f")
     return Domain(bounds=bounds, styles=" ".join(styles), discs=discs)
+
+
+def runs_as_discs(system: System) -> bool:
+    """Does a system run in LIGGGHTS' own 2D mode?"""
+    sphere = bool(np.all(system.particles.inertia_factor == INERTIA_FACTOR["sphere"]))
+    return system.dimension == 2 and not (rotates(system) and sphere)
 
 
 def _bounds(system: System, axis: int) -> tuple[float, float]:
@@ -107,14 +113,23 @@ def _energy(system: System, extent: float) -> float:
 
 
 def _overlap_energy(system: System) -> float:
-    """Return k_n/2 times the sum of squared overlaps, between particles and with walls."""
+    """Return the energy of all overlaps, between particles and with walls, in J."""
     from scipy.spatial import cKDTree
 
     p = system.particles
     i, j = cKDTree(p.x).query_pairs(2.0 * p.radius.max(), output_type="ndarray").T
     overlaps = [p.radius[i] + p.radius[j] - np.linalg.norm(p.x[i] - p.x[j], axis=1)]
     overlaps += [p.radius - (p.x - w.point) @ np.array(w.normal) for w in system.walls]
-    return 0.5 * system.normal.normal_stiffness * sum(float((o.clip(min=0.0) ** 2).sum()) for o in overlaps)
+    return sum(_stored(system.normal, o.clip(min=0.0), float(p.radius.max())) for o in overlaps)
+
+
+def _stored(normal: NormalLaw, overlap: np.ndarray, radius: float) -> float:
+    """Return the energy of overlaps (M,), or more: of virgin loading, Hertz contacts all with the largest R*, in J."""
+    if isinstance(normal, HertzNormal):
+        stiffness = normal.youngs_modulus / (2.0 * (1.0 - normal.poisson_ratio**2)) * math.sqrt(radius)
+        return 8.0 / 15.0 * stiffness * float((overlap**2.5).sum())
+    stiffness = normal.normal_stiffness if isinstance(normal, LinearNormal) else normal.loading_stiffness
+    return 0.5 * stiffness * float((overlap**2).sum())
 
 
 def _wall_speed(wall: Wall) -> float:

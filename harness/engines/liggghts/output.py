@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from harness.engines.facts import is_rough
 from harness.engines.family import MEAN_SPIN, rotation_lines
+from harness.engines.liggghts.law import told_history
 from harness.engines.liggghts.motions import displacement, force, mesh_force, rate
 from harness.engines.liggghts.planes import is_still, meshes, primitives
 from harness.engines.liggghts.walls import shares_are_unclear
@@ -21,11 +22,11 @@ def contact_computes(system: System) -> list[str]:
     if not system.contacts:
         return []
     lines = ["", "# contacts, evaluated again from full-step velocities, which changes nothing"]
-    history = "" if system.sliding is None else " history"
+    history = " history" if told_history(system) else ""
     lines.append(f"compute pairs grains pair/gran/local id force{history} delta")
     if meshes(system) and shares_are_unclear(system):
-        rough = " history" if any(is_rough(system, w) for w in meshes(system)) else ""
-        lines.append(f"compute shares grains wall/gran/local id force{rough} delta")
+        kept = history if _any_rough_mesh(system) else ""
+        lines.append(f"compute shares grains wall/gran/local id force{kept} delta")
     return lines
 
 
@@ -55,12 +56,16 @@ def frame_lines(system: System) -> list[str]:
     lines += ["", "# frames", *_dump("particles", "grains custom", system, PARTICLES, _particle_columns(system))]
     lines.append("dump_modify particles sort id")
     if system.contacts:
-        springs = 0 if system.sliding is None else 3
-        lines += _dump("contacts", "grains local", system, CONTACTS, _local("pairs", 7 + springs))
+        told = len(told_history(system))
+        lines += _dump("contacts", "grains local", system, CONTACTS, _local("pairs", 7 + told))
     if system.contacts and meshes(system) and shares_are_unclear(system):
-        springs = 3 if any(is_rough(system, w) for w in meshes(system)) else 0
-        lines += _dump("shares", "grains local", system, MESH_CONTACTS, _local("shares", 7 + springs))
+        told = len(told_history(system)) if _any_rough_mesh(system) else 0
+        lines += _dump("shares", "grains local", system, MESH_CONTACTS, _local("shares", 7 + told))
     return lines
+
+
+def _any_rough_mesh(system: System) -> bool:
+    return any(is_rough(system, w) for w in meshes(system))
 
 
 def _wall_lines(system: System, wall: Wall) -> list[str]:
@@ -115,8 +120,9 @@ def _particle_columns(system: System) -> list[str]:
         return columns
     for wall in primitives(system):
         columns += [f"f_force_{wall.name}_plane[{k + 1}]" for k in range(len(axes))]
-        if is_rough(system, wall):
-            columns += [f"f_history_{wall.name}_plane[{k + 1}]" for k in range(len(axes))]
+        if is_rough(system, wall) and told_history(system):
+            first = told_history(system).index("ux") + 1
+            columns += [f"f_history_{wall.name}_plane[{first + k}]" for k in range(len(axes))]
     if meshes(system):
         columns += [f"f_force_meshes[{k + 1}]" for k in range(len(axes))]
     return columns

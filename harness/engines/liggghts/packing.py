@@ -12,7 +12,7 @@ import numpy as np
 
 from harness.engines.facts import carrier_id, loaded_walls
 from harness.engines.liggghts.domain import Domain
-from harness.engines.liggghts.law import type_count
+from harness.engines.liggghts.law import particle_types, type_count
 from harness.engines.liggghts.planes import meshes
 from harness.engines.text import comment, number, numbers
 from harness.scene.system import System
@@ -36,8 +36,9 @@ def _atoms(system: System, domain: Domain) -> list[str]:
     volume = np.pi * p.radius**2 if domain.discs else 4.0 / 3.0 * np.pi * p.radius**3
     density = p.mass / volume
     flat = " 0" if system.dimension == 2 else ""
+    types = particle_types(system)
     rows = [
-        f"{i + 1} 1 {number(2 * p.radius[i])} {number(density[i])} {numbers(p.x[i])}{flat}"
+        f"{i + 1} {types[i]} {number(2 * p.radius[i])} {number(density[i])} {numbers(p.x[i])}{flat}"
         for i in range(len(p))
     ]
     return rows + [

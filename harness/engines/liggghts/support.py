@@ -5,42 +5,41 @@ from __future__ import annotations
 import numpy as np
 
 from harness.engines.facts import crossing_walls, narrow_axes, rotates
+from harness.engines.liggghts.law import judgements, observation_moves, too_many_bodies
+from harness.engines.liggghts.law.words import Judgement, equivalent, exact
 from harness.engines.liggghts.planes import across_axis, is_still, meshes, slip_velocity
 from harness.engines.protocol import Support
 from harness.scene.effects import effects_on
+from harness.scene.model import ViscousSliding
 from harness.scene.system import INERTIA_FACTOR, Loaded, System, Wall
 
-EXACT = "same formula; matched to rounding against an independent velocity-Verlet integration"
+COIN = (
+    "the force of a sliding contact is told with or without its tangential dashpot: without normal damping its spring "
+    "is at the limit to the last digit, so rounding decides"
+)
 NOTES = {
-    "normal contact": ("exact", f"hooke/stiffness: {EXACT}"),
-    "normal damping": ("exact", "absolute_damping; forces see half-step velocities v(t+dt/2)"),
-    "damping attraction": ("exact", "no limitForce: the dashpot may pull"),
-    "sliding friction": (
-        "equivalent",
-        "tangential history: Coulomb's limit mu |f_n|, f_n with damping, is tested on the spring alone; where it "
-        "slips there is no dashpot; the spring is turned with the normal without rescaling; arm R - overlap/2",
-    ),
-    "wall friction": ("equivalent", "the law between particles with m_eff = m and lever arm R - overlap/2"),
-    "rotation": ("exact", "fix nve/sphere: discs in 2D mode, spheres in 3D mode"),
-    "background drag": ("exact", "fix viscous on half-step velocities"),
-    "gravity": ("exact", "fix gravity"),
-    "periodic axes": ("exact", "boundary p"),
-    "driven walls": ("exact", "move/mesh with the mean rate of the step"),
-    "loaded walls": ("exact", "leapfrog form of velocity Verlet, state kept in a carrier atom, force of each mesh"),
+    "wall friction": equivalent("the law between particles with m_eff = m, R_eff = R and lever arm R - overlap/2"),
+    "rotation": exact("fix nve/sphere: discs in 2D mode, spheres in 3D mode"),
+    "background drag": exact("fix viscous on half-step velocities"),
+    "gravity": exact("fix gravity"),
+    "periodic axes": exact("boundary p"),
+    "driven walls": exact("move/mesh with the mean rate of the step"),
+    "loaded walls": exact("leapfrog form of velocity Verlet, state kept in a carrier atom, force of each mesh"),
 }
+"""All effects but contact laws, which judge themselves (`law`)."""
 
 
 def supports(system: System) -> tuple[Support, ...]:
     """Return one judgement an effect, and one for each thing LIGGGHTS cannot do as it should."""
-    found = [_known(effect) for effect in effects_on(system)]
+    notes = NOTES | judgements(system)
+    found = [_support(effect, notes.get(effect.split(":")[0])) for effect in effects_on(system)]
     return (*found, *(s for check in _CHECKS for s in check(system)))
 
 
-def _known(effect: str) -> Support:
-    if effect not in NOTES:
+def _support(effect: str, judgement: Judgement | None) -> Support:
+    if judgement is None:
         return Support(effect=effect, level="unsupported", note="the LIGGGHTS engine does not know this effect")
-    level, note = NOTES[effect]
-    return Support(effect=effect, level=level, note=note)
+    return Support(effect=effect, level=judgement.level, note=judgement.note)
 
 
 def _inertia(system: System) -> list[Support]:
@@ -90,4 +89,26 @@ def _span_of_loaded_walls(system: System) -> list[Support]:
     return [Support(effect="loaded walls", level="unsupported", note=note)] if bad else []
 
 
-_CHECKS = (_inertia, _narrow_period, _crossing_walls, _tiled_walls, _span_of_loaded_walls)
+def _bodies(system: System) -> list[Support]:
+    """Some dashpots are to be given for each two bodies."""
+    reason = too_many_bodies(system)
+    return [Support(effect="dashpots", level="unsupported", note=reason)] if reason else []
+
+
+def _contact_output(system: System) -> list[Support]:
+    """Some laws move their history whenever they are evaluated, also for output."""
+    if not system.contacts:
+        return []
+    reason = observation_moves(system)
+    if reason:
+        return [Support(effect="contact output", level="unsupported", note=reason)]
+    return [Support(effect="contact output", level="partial", note=COIN)] if _cut_just_so(system) else []
+
+
+def _cut_just_so(system: System) -> bool:
+    """Is the spring of a sliding contact still at its limit when the contact is evaluated again?"""
+    damped = getattr(system.sliding, "shear_damping", 0.0) > 0.0 and not isinstance(system.sliding, ViscousSliding)
+    return damped and getattr(system.normal, "normal_damping", 0.0) == 0.0
+
+
+_CHECKS = (_inertia, _bodies, _contact_output, _narrow_period, _crossing_walls, _tiled_walls, _span_of_loaded_walls)

@@ -42,8 +42,9 @@ def _primitive(system: System, wall: Wall) -> str:
     axis, slip = across_axis(wall), slip_velocity(system, wall)
     shear = "".join(f" shear {'xyz'[a]} {number(slip[a])}" for a in np.flatnonzero(slip))
     return (
-        f"fix {wall.name}_plane grains wall/gran {model_words(is_rough(system, wall))} primitive type 1"
-        f" {'xyz'[axis]}plane {number(wall.point[axis])} store_force yes{shear} {setting_words(system)}"
+        f"fix {wall.name}_plane grains wall/gran {model_words(system, rough=is_rough(system, wall))} primitive type"
+        f" {wall_type(system, wall)} {'xyz'[axis]}plane {number(wall.point[axis])} store_force yes{shear}"
+        f" {setting_words(system)}".rstrip()
     )
 
 
@@ -58,9 +59,9 @@ def _mesh(system: System, wall: Wall) -> str:
 def _mesh_contact(system: System) -> str:
     walls = meshes(system)
     rough = any(is_rough(system, w) for w in walls)
-    names = " ".join(f"{w.name}_mesh" for w in walls)
+    names = f"{len(walls)} meshes {' '.join(f'{w.name}_mesh' for w in walls)}"
     store = " store_force yes" if system.contacts else ""
     return (
-        f"fix meshes grains wall/gran {model_words(rough)} mesh n_meshes {len(walls)} meshes {names}{store}"
-        f" {setting_words(system)}"
+        f"fix meshes grains wall/gran {model_words(system, rough=rough)} mesh n_meshes {names}{store}"
+        f" {setting_words(system)}".rstrip()
     )

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from dataclasses import dataclass
 
+from harness.scene.laws import turning
 from harness.scene.model import Biaxial
 from harness.studies.compare.curves import BiaxialCurves, biaxial_curves
 from harness.studies.compare.growth import Growth, difference_growth
@@ -12,7 +13,7 @@ from harness.studies.compare.macro import macro_values
 from harness.studies.compare.pairs import Pair, pairs_of
 from harness.studies.compare.pointwise import parting_checks, window_checks
 from harness.studies.compare.published import published_checks
-from harness.studies.compare.run_checks import balance_checks, control_checks, inertia_check, place_checks
+from harness.studies.compare.run_checks import balance_checks, control_checks, inertia_checks, place_checks
 from harness.studies.compare.states import StateCurves, state_curves
 from harness.studies.verdict import Check, Rerun
 
@@ -36,19 +37,20 @@ def judge_biaxial(
 ) -> tuple[list[Check], BiaxialResult]:
     """Return all checks of a biaxial comparison and what the report needs."""
     finished = [r for r in runs if r.trajectory is not None]
-    pairs = pairs_of(engines, friction=scene.contact.sliding is not None)
+    pairs = pairs_of(engines, friction=bool(turning(scene.contact)))
     curves = defaultdict(dict)
     for r in finished:
         curves[r.engine][r.packing] = biaxial_curves(r.trajectory, starts[r.packing].system)
     result = _result(scene, starts, finished, pairs, curves)
+    with_systems = _with_systems(finished, starts)
     checks = [
         *window_checks(pairs, scene.compare.windows, curves, rerun),
         *parting_checks(pairs, curves, rerun),
         *published_checks(scene, engines, result.macro, rerun),
         *control_checks(curves, rerun),
-        *place_checks(_with_systems(finished, starts), rerun),
+        *place_checks(with_systems, rerun),
         *balance_checks(result.states, rerun),
-        inertia_check(scene, starts[0].system, rerun),
+        *inertia_checks(with_systems, rerun),
     ]
     return checks, result
 

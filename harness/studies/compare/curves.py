@@ -47,6 +47,16 @@ class BiaxialCurves:
         return self.force_right / self.z
 
     @property
+    def mean_stress(self) -> np.ndarray:
+        """(sigma_zz + sigma_xx)/2, N/m."""
+        return 0.5 * (self.stress_zz + self.stress_xx)
+
+    @property
+    def strain_rate(self) -> np.ndarray:
+        """Rate at which the height shrinks over the height, 1/s, from the places at the samples around."""
+        return -np.gradient(self.z, self.time) / self.z
+
+    @property
     def ratio(self) -> np.ndarray:
         """sigma_zz / sigma_xx of measured stresses; NaN without a side stress."""
         nothing = np.full_like(self.stress_zz, np.nan)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from harness.scene.laws import turning
 from harness.scene.model import Agreement, Free
 from harness.studies.compare.exits import ExitValues, exit_values
 from harness.studies.compare.growth import (
@@ -34,7 +35,7 @@ class FreeResult:
 def judge_free(scene: Free, starts, runs, engines: list[str], rerun: Rerun) -> tuple[list[Check], FreeResult]:
     """Return all checks of a free comparison and what the report needs."""
     done = {r.engine: r.trajectory for r in runs if r.trajectory is not None}
-    pairs = pairs_of(engines, friction=scene.contact.sliding is not None)
+    pairs = pairs_of(engines, friction=bool(turning(scene.contact)))
     result = FreeResult(
         pairs=tuple(pairs),
         growth={

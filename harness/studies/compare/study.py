@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from harness.runs.folder import runs_root
 from harness.runs.native import NativePolicy
 from harness.runs.outcome import Outcome
+from harness.scene.laws import turning
 from harness.scene.load import load_scene
 from harness.scene.model import Biaxial, Scene
 from harness.studies.compare.biaxial import BiaxialResult, judge_biaxial
@@ -99,10 +100,10 @@ def compare(
 
 
 def _distinct(engines: tuple[Engine, ...], scene: Scene) -> tuple[Engine, ...]:
-    """Without sliding all conventions of the kernel are one: run it once, as `kernel:talk`."""
+    """Without tangential laws all conventions of the kernel are one: run it once, as `kernel:talk`."""
     from harness.engines.registry import ENGINES, KERNEL_PREFIX
 
-    if scene.contact.sliding is not None:
+    if turning(scene.contact):
         return engines
     single = (ENGINES[KERNEL_PREFIX + "talk"] if e.name.startswith(KERNEL_PREFIX) else e for e in engines)
     return tuple(dict.fromkeys(single))

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from harness.engines.lammps import LAMMPS
-from harness.scene.model import LinearNormal, SpringSliding
+from harness.engines.protocol import Prescribed
+from harness.scene.model import HertzNormal, JkrNormal, LinearNormal, SpringSliding, ViscousSliding
 from harness.scene.system import Constant, Cosine, Loaded, Particles, System, Wall
 
 SLIDING = SpringSliding(shear_friction=0.4, shear_stiffness=3e3, shear_damping=0.2)
@@ -17,8 +18,7 @@ NORMAL = LinearNormal(normal_stiffness=1e4, normal_damping=0.05, attraction="all
 
 
 def particles(x, radius, mass, *, v=None, spin=None, q=None) -> Particles:
-    x = np.array(x, dtype=float)
-    n, dim = x.shape
+    n, dim = (x := np.array(x, dtype=float)).shape
     columns = {"v": (v, dim), "spin": (spin, 1 if dim == 2 else 3)}
     moving = {k: np.zeros((n, d)) if given is None else np.array(given, float) for k, (given, d) in columns.items()}
     factor = np.full(n, 0.5 if dim == 2 else 0.4) if q is None else np.array(q, float)
@@ -92,96 +92,224 @@ def trajectory(folder, of: System):
     return LAMMPS.read(folder, of)
 
 
+def _normal_force(law, overlap, v_n, reduced_radius, reduced_mass):
+    """Return f_n and the force whose multiple limits friction."""
+    if isinstance(law, LinearNormal):
+        return _clipped(law, law.normal_stiffness * overlap - law.normal_damping * v_n)
+    modulus = law.youngs_modulus / (2 * (1 - law.poisson_ratio**2))
+    slope = 2 * modulus * np.sqrt(reduced_radius * max(overlap, 0.0))
+    if isinstance(law, HertzNormal):
+        damping = np.sqrt(10 / 3 * slope * reduced_mass) * _beta(law.restitution)
+        return _clipped(law, 2 / 3 * slope * overlap - damping * v_n)
+    jkr = isinstance(law, JkrNormal)
+    pull = (3 if jkr else 4) * np.pi * law.surface_energy * reduced_radius
+    elastic = _jkr(law, modulus, overlap, reduced_radius) if jkr else 2 / 3 * slope * overlap - pull
+    return elastic - law.normal_damping * v_n, abs(elastic + 2 * pull)
+
+
+def _beta(e):
+    return -np.log(e) / np.hypot(np.log(e), np.pi)
+
+
+def _clipped(law, force):
+    return (max(force, 0.0), max(force, 0.0)) if law.attraction == "clipped" else (force, abs(force))
+
+
+def _jkr(law, modulus, overlap, radius):
+    """Force at an overlap, by the contact radius that belongs to it (the larger root)."""
+    tension = np.pi * law.surface_energy / modulus
+    smallest = np.cbrt(tension * radius**2 / 4)
+    a = max(np.sqrt(radius * max(overlap, 0.0)) + 3 * smallest, smallest)
+    for _ in range(100):
+        off = a**2 / radius - 2 * np.sqrt(tension * a) - overlap
+        a = a - off / (2 * a / radius - np.sqrt(tension / a))
+    return 4 * modulus * a**3 / (3 * radius) - 4 * modulus * np.sqrt(tension * a**3)
+
+
+def _holds(law, overlap, reduced_radius, touched) -> bool:
+    """Does a contact act? LAMMPS lets those of JKR go where the tension is largest, not at the end of the branch."""
+    if not touched or not isinstance(law, JkrNormal):
+        return overlap > 0
+    tension = np.pi * law.surface_energy * 2 * (1 - law.poisson_ratio**2) / law.youngs_modulus
+    smallest = np.cbrt(9 * tension * reduced_radius**2 / 4)
+    return overlap >= smallest**2 / reduced_radius - 2 * np.sqrt(tension * smallest)
+
+
+@dataclass(frozen=True)
+class Slider:
+    """As pair granular has it: the turned spring keeps its length, slip cuts spring and dashpot together."""
+
+    stiffness: float
+    damping: float
+    limit: float
+
+    def force(self, spring, n, rate, dt):
+        """Return force and spring; dt = 0 leaves the spring alone."""
+        if dt:
+            if abs(spring @ n) * self.stiffness > 1e-10 * self.limit:  # else it stays as it is
+                turned = spring - (spring @ n) * n
+                spring = turned * np.linalg.norm(spring) / np.linalg.norm(turned)
+            spring = spring + dt * rate
+        force = -self.stiffness * spring - self.damping * rate
+        if np.linalg.norm(force) <= self.limit:
+            return force, spring
+        if not spring.any():
+            return np.zeros(3), spring
+        force = force * self.limit / np.linalg.norm(force)
+        return force, -(force + self.damping * rate) / self.stiffness
+
+
+@dataclass(frozen=True)
+class Touch:
+    """One contact: n from j to i, velocity of i relative to j (of centres), swept = R_i w_i + R_j w_j."""
+
+    n: np.ndarray
+    velocity: np.ndarray
+    swept: np.ndarray
+    turning: np.ndarray
+    overlap: float
+    reduced_radius: float
+    reduced_mass: float
+    rough: bool
+
+
 @dataclass
 class Reference:
     """Velocity Verlet as LAMMPS has it, all pairs, everything in 3D; N of a few.
 
     Forces see v(t+dt/2) and w(t+dt/2), those of the set-up v(0), w(0) and no spring is moved there.
-    A spring keeps its length when it is turned into the new tangential plane; slip cuts spring and
-    dashpot together. Lever arm R - overlap/2 between particles, R at walls.
+    Lever arm R - overlap/2 between particles, R at walls.
     """
 
     s: System
-    springs: dict = field(default_factory=dict)
+    memory: dict = field(default_factory=dict)
 
     def __post_init__(self):
         p, dim = self.s.particles, self.s.dimension
         self.x, self.v, self.w = (np.zeros((len(p), 3)) for _ in range(3))
         self.x[:, :dim], self.v[:, :dim] = p.x, p.v
         self.w[:, -p.spin.shape[1]:] = p.spin
-        pad = [(0, 0), (0, 3 - dim)]
-        walls = self.s.walls
+        walls, pad = self.s.walls, [(0, 0), (0, 3 - dim)]
         self.normal = np.pad(np.reshape([w.normal for w in walls], (-1, dim)), pad)
         self.point = np.pad(np.reshape([w.point for w in walls], (-1, dim)), pad)
         self.d, self.rate, self.shift = np.zeros(len(walls)), np.zeros(len(walls)), np.zeros((len(walls), 3))
         self.loaded = [k for k, w in enumerate(walls) if isinstance(w.motion, Loaded)]
         self.wall_mass = np.array([walls[k].motion.mass for k in self.loaded])
+        self.turns = any((self.s.sliding, self.s.rolling, self.s.torsion))
 
-    def law(self, n, overlap, velocity, spring, rough, move):
-        normal, sliding = self.s.normal, self.s.sliding
-        fn = normal.normal_stiffness * overlap - normal.normal_damping * (velocity @ n)
-        fn = max(fn, 0.0) if normal.attraction == "clipped" else fn
-        if not rough:
-            return fn * n, spring
-        kt, slip, limit = sliding.shear_stiffness, velocity - (velocity @ n) * n, sliding.shear_friction * abs(fn)
-        if move:
-            if abs(spring @ n) * kt > 1e-10 * limit:
-                turned = spring - (spring @ n) * n
-                spring = turned * np.linalg.norm(spring) / np.linalg.norm(turned)
-            spring = spring + self.s.dt * slip
-        dashpot = sliding.shear_damping * slip
-        ft = -kt * spring - dashpot
-        if np.linalg.norm(ft) > limit:
-            ft = ft * limit / np.linalg.norm(ft) if spring.any() else np.zeros(3)
-            spring = -(ft + dashpot) / kt if spring.any() else spring
-        return fn * n + ft, spring
+    def touch(self, key, c: Touch, dt):
+        """Return the force on i and the couple on i; dt = 0: histories stand still and are not kept."""
+        s, v_n = self.s, c.velocity @ c.n
+        f_n, limit = _normal_force(s.normal, c.overlap, v_n, c.reduced_radius, c.reduced_mass)
+        memory = dict(self.memory.get(key, {"sliding": np.zeros(3), "rolling": np.zeros(3), "torsion": 0.0}))
+        force, couple = f_n * c.n, np.zeros(3)
+        if c.rough and s.sliding is not None:
+            slip = c.velocity - v_n * c.n - np.cross(c.swept, c.n)
+            f_t, memory["sliding"] = self.slide(memory["sliding"], c, slip, limit, dt)
+            force = force + f_t
+        if c.rough and s.rolling is not None:
+            law, rate = s.rolling, c.reduced_radius * np.cross(c.turning, c.n)
+            slider = Slider(law.rolling_stiffness, law.rolling_damping, law.rolling_friction * limit)
+            f_r, memory["rolling"] = slider.force(memory["rolling"], c.n, rate, dt)
+            couple += c.reduced_radius * np.cross(c.n, f_r)
+        if c.rough and s.torsion is not None:
+            f_o, memory["torsion"] = self.twist(memory["torsion"], c, limit, dt)
+            couple += c.reduced_radius * f_o * c.n
+        if dt:
+            self.memory[key] = memory
+        return force, couple
 
-    def touch(self, key, n, overlap, velocity, rough, move):
-        force, spring = self.law(n, overlap, velocity, self.springs.get(key, np.zeros(3)), rough, move)
-        if rough and self.keep:
-            self.springs[key] = spring
-        return force
+    def slide(self, spring, c, slip, limit, dt):
+        law, limit = self.s.sliding, self.s.sliding.shear_friction * limit
+        if isinstance(law, ViscousSliding):
+            size = law.shear_damping * np.linalg.norm(slip)
+            return -law.shear_damping * slip * min(1.0, limit / size if size else 1.0), spring
+        if isinstance(law, SpringSliding):
+            return Slider(law.shear_stiffness, law.shear_damping, limit).force(spring, c.n, slip, dt)
+        nu, modulus = self.s.normal.poisson_ratio, self.s.normal.youngs_modulus
+        stiffness = 8 * modulus / (4 * (2 - nu) * (1 + nu)) * np.sqrt(c.reduced_radius * c.overlap)
+        damping = np.sqrt(10 / 3 * stiffness * c.reduced_mass) * _beta(self.s.normal.restitution)
+        return Slider(stiffness, damping, limit).force(spring, c.n, slip, dt)
 
-    def forces(self, wall_velocity, *, move: bool, keep: bool = True):
+    def twist(self, spring, c, limit, dt):
+        """The slider about the normal; LAMMPS takes the direction of slip from the rate, not from the force."""
+        law, rate = self.s.torsion, c.reduced_radius * (c.turning @ c.n)
+        spring = spring + dt * rate
+        force = -law.torsion_stiffness * spring - law.torsion_damping * rate
+        if abs(force) > law.torsion_friction * limit:
+            force = -law.torsion_friction * limit * np.sign(rate)
+            spring = -(force + law.torsion_damping * rate) / law.torsion_stiffness
+        return force, spring
+
+    def forces(self, wall_velocity, *, dt: float):
         """Return forces, torques, forces on walls, and rows (i, j, force, spring, overlap) of pairs."""
-        self.keep = keep
         p, s = self.s.particles, self.s
         f, torque, on_wall, pairs = np.zeros_like(self.x), np.zeros_like(self.x), np.zeros_like(self.shift), []
-        lengths = np.pad(s.periodic or (0.0,) * s.dimension, (0, 3 - s.dimension))
-        period = np.where(lengths > 0, lengths, np.inf)
-        rough = s.sliding is not None
+        near = self.near()
         for i in range(len(p)):
-            for j in range(i + 1, len(p)):
-                branch = self.x[i] - self.x[j]
-                branch = branch - np.round(branch / period) * lengths
-                n, overlap = branch / np.linalg.norm(branch), p.radius[i] + p.radius[j] - np.linalg.norm(branch)
-                if overlap <= 0:
-                    self.springs.pop((i, j), None)
+            for j in near[i]:
+                contact = self.pair(i, j)
+                if not self.holds((i, j), contact):
                     continue
-                swept = np.cross(p.radius[i] * self.w[i] + p.radius[j] * self.w[j], n)
-                force = self.touch((i, j), n, overlap, self.v[i] - self.v[j] - swept, rough, move)
+                force, couple = self.touch((i, j), contact, dt)
                 f[i] += force
                 f[j] -= force
-                turning = np.cross(n, force) * rough
-                torque[i] -= (p.radius[i] - overlap / 2) * turning
-                torque[j] -= (p.radius[j] - overlap / 2) * turning
-                pairs.append([i + 1, j + 1, *force, *self.springs.get((i, j), np.zeros(3)), overlap])
-            for k, wall in enumerate(s.walls):
-                n = self.normal[k]
-                overlap = p.radius[i] - (self.x[i] - self.point[k] - self.shift[k]) @ n
-                if overlap <= 0:
-                    self.springs.pop((i, -1 - k), None)
+                turning = np.cross(contact.n, force) * self.turns
+                torque[i] += couple - (p.radius[i] - contact.overlap / 2) * turning
+                torque[j] -= couple + (p.radius[j] - contact.overlap / 2) * turning
+                spring = self.memory.get((i, j), {}).get("sliding", np.zeros(3))
+                pairs.append([i + 1, j + 1, *force, *spring, contact.overlap])
+            for k in range(len(s.walls)):
+                contact = self.at_wall(i, k, wall_velocity[k])
+                if not self.holds((i, -1 - k), contact):
                     continue
-                velocity = self.v[i] - wall_velocity[k] - np.cross(p.radius[i] * self.w[i], n)
-                force = self.touch((i, -1 - k), n, overlap, velocity, rough and wall.friction, move)
+                force, couple = self.touch((i, -1 - k), contact, dt)
                 f[i] += force
-                torque[i] -= p.radius[i] * np.cross(n, force) * (rough and wall.friction)
+                torque[i] += couple - p.radius[i] * np.cross(contact.n, force) * contact.rough
                 on_wall[k] -= force
         if s.gravity is not None:
             f[:, : s.dimension] += p.mass[:, None] * s.gravity
         if s.background is not None:
             f -= s.background.translational_drag * self.v
         return f, torque, on_wall, np.reshape(pairs, (-1, 9))
+
+    def near(self) -> list[np.ndarray]:
+        """Return for every particle the later ones within a tenth of a radius, and those it has touched."""
+        radius = self.s.particles.radius
+        branch = self.branch(self.x[:, None] - self.x[None, :])
+        within = (branch**2).sum(axis=2) < (radius[:, None] + radius + 0.1 * radius.min()) ** 2
+        for i, j in self.memory:
+            within[i, j] |= j > i
+        return [np.flatnonzero(row) for row in np.triu(within, k=1)]
+
+    def branch(self, apart):
+        lengths = np.pad(self.s.periodic or (0.0,) * self.s.dimension, (0, 3 - self.s.dimension))
+        period = np.where(lengths > 0, lengths, np.inf)
+        return apart - np.round(apart / period) * lengths
+
+    def holds(self, key, contact) -> bool:
+        if _holds(self.s.normal, contact.overlap, contact.reduced_radius, key in self.memory):
+            return True
+        self.memory.pop(key, None)
+        return False
+
+    def pair(self, i, j) -> Touch:
+        p = self.s.particles
+        branch = self.branch(self.x[i] - self.x[j])
+        distance, (a, b), (m, k) = np.linalg.norm(branch), p.radius[[i, j]], p.mass[[i, j]]
+        return Touch(
+            n=branch / distance, overlap=a + b - distance, velocity=self.v[i] - self.v[j], rough=self.turns,
+            swept=a * self.w[i] + b * self.w[j], turning=self.w[i] - self.w[j],
+            reduced_radius=a * b / (a + b), reduced_mass=m * k / (m + k),
+        )
+
+    def at_wall(self, i, k, wall_velocity) -> Touch:
+        n, radius = self.normal[k], self.s.particles.radius[i]
+        return Touch(
+            n=n, overlap=radius - (self.x[i] - self.point[k] - self.shift[k]) @ n, swept=radius * self.w[i],
+            velocity=self.v[i] - wall_velocity, rough=self.turns and self.s.walls[k].friction,
+            turning=self.w[i], reduced_radius=radius, reduced_mass=self.s.particles.mass[i],
+        )
 
     def place(self, step):
         t = step * self.s.dt
@@ -212,7 +340,7 @@ class Reference:
         """Return frames (dicts) and the series (rows: step, then d, v, force of every wall)."""
         s, dt, p = self.s, self.s.dt, self.s.particles
         inertia = (p.inertia_factor * p.mass * p.radius**2)[:, None]
-        f, torque, on_wall, _ = self.forces(np.zeros_like(self.shift), move=False)
+        f, torque, on_wall, _ = self.forces(np.zeros_like(self.shift), dt=0.0)
         push = self.on_loaded(on_wall)
         frames, series = [], []
         for step in range(s.steps + 1):
@@ -224,7 +352,7 @@ class Reference:
                 self.d[self.loaded] += dt * self.rate[self.loaded]
                 before = self.shift.copy()
                 self.place(step)
-                f, torque, on_wall, _ = self.forces((self.shift - before) / dt, move=True)
+                f, torque, on_wall, _ = self.forces((self.shift - before) / dt, dt=dt)
                 push = self.on_loaded(on_wall)
                 self.v += dt / 2 * f / p.mass[:, None]
                 self.w += dt / 2 * torque / inertia
@@ -234,9 +362,17 @@ class Reference:
             if step % s.sample_every == 0:
                 series.append([step, *np.column_stack([self.d, self.rate, on_wall[:, : s.dimension]]).ravel()])
             if step % s.frame_every == 0:
-                pairs = self.forces(np.zeros_like(self.shift), move=False, keep=False)[3]
+                pairs = self.forces(np.zeros_like(self.shift), dt=0.0)[3]
                 frames.append({"x": self.x.copy(), "v": self.v.copy(), "w": self.w.copy(), "pairs": pairs})
         return frames, np.array(series)
+
+    def react(self, path: Prescribed):
+        dim, found = self.s.dimension, []
+        for x, v, spin in zip(path.x[1:], path.v[1:], path.spin[1:], strict=True):
+            self.x[:, :dim], self.v[:, :dim], self.w[:, -spin.shape[1]:] = x, v, spin
+            found.append(self.forces(np.zeros_like(self.shift), dt=self.s.dt)[:2])
+        force, torque = (np.array(values) for values in zip(*found, strict=True))
+        return force, torque
 
 
 @pytest.fixture(scope="session")
@@ -255,3 +391,9 @@ def run():
 def reference():
     """`reference(system)` gives frames and series of the NumPy integration."""
     return lambda s: Reference(s).run()
+
+
+@pytest.fixture(scope="session")
+def formula():
+    """`formula(system, path)` gives forces and torques (S, N, 3) along a prescribed path."""
+    return lambda s, path: Reference(s).react(path)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.engines.lammps import LAMMPS
-from harness.engines.lammps.law import contact_law, damping_and_ratio
+from harness.engines.lammps.law import damping_and_ratio, pair_law
 from harness.scene.model import Background, LinearNormal, SpringSliding
 from harness.scene.system import Constant, Cosine, Loaded, Wall
 
@@ -120,13 +120,14 @@ def test_small_grains_around_a_large_one_have_room_in_its_list(make_system):
     assert "neigh_modify one" not in _deck(make_system.biaxial(16))
 
 
-def test_tangential_damping_is_exact_when_it_can_be():
+def test_tangential_damping_is_exact_when_it_can_be(make_system):
     for normal, shear in ((2.0, 0.5), (0.0, 0.3), (0.0, 0.0), (1.0, 0.0)):
         c, x = damping_and_ratio(normal, shear)
         assert x * c == shear
         assert c == normal or c < 1e-29 * shear
-    frictionless = contact_law(LinearNormal(normal_stiffness=1.0, normal_damping=0.0, attraction="allowed"), None)
-    assert frictionless == "hooke 1 0 damping velocity tangential linear_nohistory 0 0"
+    bare = LinearNormal(normal_stiffness=1.0, normal_damping=0.0, attraction="allowed")
+    words = pair_law(make_system.two(normal=bare, sliding=None))
+    assert words == "hooke 1 0 damping velocity tangential linear_nohistory 0 0"
 
 
 # --- support --------------------------------------------------------------------------------------
@@ -144,7 +145,7 @@ def test_every_effect_of_a_full_system_is_judged(make_system):
     )
     levels = _levels(system)
     assert set(levels.values()) == {"exact", "equivalent"}
-    assert {"normal contact", "sliding friction", "wall friction", "loaded walls", "driven walls"} <= set(levels)
+    assert {"normal contact: linear", "sliding friction: spring", "wall friction", "loaded walls"} <= set(levels)
     assert all(s.note for s in LAMMPS.supports(system))
 
 
@@ -190,4 +191,5 @@ def test_loads_without_stress_or_damping_have_no_such_term(make_system):
     deck = _deck(make_system.on_floor(wall))
     force = re.search(r"variable force_floor equal \"(.*)\"", deck)[1]
     assert force == "(0.5 + -1*c_F_floor[2])/1048576"
+    assert "\n# carried by atom 2: displacement = 2^20 = 1048576 times its coordinate; a power of two\n" in deck
     assert "extent" not in deck.replace("stress*extent", "")

@@ -3,7 +3,20 @@
 import numpy as np
 import pytest
 
-from harness.scene.model import Background, LinearNormal, SpringSliding
+from harness.engines.lammps import LAMMPS
+from harness.engines.protocol import takes
+from harness.scene.model import (
+    Background,
+    DmtNormal,
+    HertzNormal,
+    JkrNormal,
+    LinearNormal,
+    MindlinSliding,
+    SpringRolling,
+    SpringSliding,
+    SpringTorsion,
+    ViscousSliding,
+)
 from harness.scene.system import Constant, Cosine, Loaded
 
 TOLERANCE = 1e-12
@@ -30,10 +43,13 @@ def _compare(found, expected, series, system):
         "x": lambda k: (found.frames[k].particles.vector(*axes), expected[k]["x"][:, : len(axes)]),
         "v": lambda k: (found.frames[k].particles.vector(*("v" + a for a in axes)), expected[k]["v"][:, : len(axes)]),
         "w": lambda k: (found.frames[k].particles.vector(*spins), expected[k]["w"][:, -len(spins):]),
-        "force": lambda k: _pairs(found.frames[k], expected[k], [f"f{a}" for a in axes], 2),
-        "overlap": lambda k: _pairs(found.frames[k], expected[k], ["overlap"], 8),
     }
-    if system.sliding is not None:
+    if system.contacts:
+        take["force"] = lambda k: _pairs(found.frames[k], expected[k], [f"f{a}" for a in axes], 2)
+        take["overlap"] = lambda k: _pairs(found.frames[k], expected[k], ["overlap"], 8)
+    springs = isinstance(system.sliding, SpringSliding | MindlinSliding)
+    assert all((f.contacts is not None and "ux" in f.contacts) == (system.contacts and springs) for f in found)
+    if system.contacts and springs:
         take["spring"] = lambda k: _pairs(found.frames[k], expected[k], [f"u{a}" for a in axes], 5)
     for of_frame in take.values():
         rows = [of_frame(k) for k in range(len(expected))]
@@ -52,6 +68,21 @@ def _pairs(frame, expected, columns, first):
     return contacts.vector(*columns)[between], pairs[:, first : first + len(columns)]
 
 
+GLASSY = HertzNormal(
+    youngs_modulus=1e8, poisson_ratio=0.3, restitution=0.7, attraction="allowed", impact_speed=1.0
+)
+ELASTIC_GLASSY = HertzNormal(
+    youngs_modulus=1e8, poisson_ratio=0.3, restitution=1.0, attraction="clipped", impact_speed=1.0
+)
+STICKY = DmtNormal(
+    youngs_modulus=1e8, poisson_ratio=0.3, surface_energy=1.0, normal_damping=0.05, impact_speed=1.0
+)
+STICKIER = JkrNormal(
+    youngs_modulus=1e8, poisson_ratio=0.3, surface_energy=1.0, normal_damping=0.05, impact_speed=1.0
+)
+MINDLIN, VISCOUS = MindlinSliding(shear_friction=0.4), ViscousSliding(shear_friction=0.4, shear_damping=0.2)
+ROLLS = SpringRolling(rolling_friction=0.1, rolling_stiffness=2e3, rolling_damping=0.01)
+TWISTS = SpringTorsion(torsion_friction=0.1, torsion_stiffness=2e3, torsion_damping=0.01)
 COLLISIONS = {
     "oblique": {},
     "spheres": {"dim": 3},
@@ -66,6 +97,16 @@ COLLISIONS = {
     "no grip": {"sliding": NO_GRIP},
     "gravity and drag": {"gravity": (0.5, -9.81), "background": DRAG},
     "weight in 3D": {"dim": 3, "gravity": (0.5, 1.0, -9.81)},
+    "viscous": {"sliding": VISCOUS},
+    "spring, rolling, torsion": {"dim": 3, "rolling": ROLLS, "torsion": TWISTS},
+    "hertz, mindlin": {"normal": GLASSY, "sliding": MINDLIN},
+    "hertz, mindlin, rolling, torsion": {
+        "dim": 3, "normal": GLASSY, "sliding": MINDLIN, "rolling": ROLLS, "torsion": TWISTS,
+    },
+    "elastic hertz, spring, rolling": {"dim": 3, "normal": ELASTIC_GLASSY, "rolling": ROLLS},
+    "dmt, spring": {"dim": 3, "normal": STICKY},
+    "dmt, viscous": {"normal": STICKY, "sliding": VISCOUS},
+    "jkr, spring": {"dim": 3, "normal": STICKIER, "contacts": False},
 }
 
 
@@ -75,6 +116,7 @@ def test_two_particles(name, tmp_path, make_system, run, reference):
     expected, series = reference(system)
     assert any(len(f["pairs"]) for f in expected)
     assert not len(expected[-1]["pairs"])
+    assert takes(LAMMPS, system)
     _compare(run.trajectory(tmp_path, system), expected, series, system)
 
 

@@ -8,8 +8,13 @@ import numpy as np
 import pytest
 
 from harness.engines.liggghts import LIGGGHTS
+from harness.engines.protocol import PATH_FILE, REACTION_FILE, Prescribed, Reaction
+from harness.engines.registry import ENGINES
 from harness.scene.model import LinearNormal, SpringSliding
 from harness.scene.system import Constant, Cosine, Loaded, Particles, System, Wall
+from reference.kernel.deck import read_deck
+from reference.kernel.prescribed import driven
+from reference.kernel.simulation import Simulation
 
 
 def pytest_collection_modifyitems(items):
@@ -70,16 +75,93 @@ def _matches(run):
     return matches
 
 
-def write_deck(system: System, folder):
+@pytest.fixture(name="lead")
+def _lead(tmp_path):
+    """Lead bodies along a path with LIGGGHTS, its deck changed by replacing words; return the Reaction."""
+
+    def lead(system: System, path: Prescribed, *changes: tuple[str, str], name: str = "lab") -> Reaction:
+        folder = write_files(changed(LIGGGHTS.render_prescribed(system), changes), tmp_path / name)
+        np.savez(folder / PATH_FILE, x=path.x, v=path.v, spin=path.spin)
+        result = LIGGGHTS.run_prescribed(folder, time_limit=60)
+        assert result.status == "completed", result
+        with np.load(folder / REACTION_FILE) as found:
+            return Reaction(force=found["force"], torque=found["torque"])
+
+    return lead
+
+
+@pytest.fixture(name="answer")
+def _answer(tmp_path):
+    """Return what the kernel with LIGGGHTS' conventions answers to a path."""
+
+    def answer(system: System, path: Prescribed) -> Reaction:
+        force, torque = driven(kernel_model(system, tmp_path / "kernel"), path.x, path.v, path.spin)
+        return Reaction(force=force, torque=torque)
+
+    return answer
+
+
+@pytest.fixture(name="kernel_frames")
+def _kernel_frames(tmp_path):
+    """Return the frames that the kernel with LIGGGHTS' conventions makes of a system, by its plain step."""
+
+    def kernel_frames(system: System) -> list[Frame]:
+        simulation = Simulation(kernel_model(system, tmp_path / "kernel"))
+        frames = [Frame(simulation)]
+        for _ in range(system.steps // system.frame_every):
+            simulation.advance(system.frame_every)
+            frames.append(Frame(simulation))
+        return frames
+
+    return kernel_frames
+
+
+class Frame:
+    """x, v (N, dim), spin (N, 1|3); wall_d: displacements along the normals.
+
+    contacts: force on i and spring (or None) by (id of i, id of j or -wall).
+    """
+
+    def __init__(self, simulation: Simulation):
+        state, n = simulation.state, simulation.model.particle_count
+        self.x, self.v, self.spin = (a[:, :n].T.copy() for a in (state.x, state.v, state.spin))
+        self.wall_d = np.array(state.wall_d)
+        self.contacts = {}
+        for interaction, full_step in simulation.contacts():
+            forces = full_step if interaction.walls is None else interaction.last
+            spring = forces.memory.get("sliding")
+            for k, (i, j) in enumerate(zip(forces.contact.i, forces.contact.j, strict=True)):
+                key = (int(i) + 1, int(j) + 1 if interaction.walls is None else n - int(j) - 1)
+                self.contacts[key] = forces.force[:, k], None if spring is None else spring[: len(state.x), k]
+
+
+def kernel_model(system: System, folder):
+    write_files(ENGINES["kernel:liggghts"].render(system), folder)
+    return read_deck(folder)[0]
+
+
+def changed(files: dict[str, str], changes) -> dict[str, str]:
+    """Return deck files with words replaced; every word must be there."""
+    for old, new in changes:
+        assert any(old in text for text in files.values()), f"no {old!r} in the deck"
+        files = {name: text.replace(old, new) for name, text in files.items()}
+    return files
+
+
+def write_files(files: dict[str, str], folder):
     folder.mkdir()
-    for name, text in LIGGGHTS.render(system).items():
+    for name, text in files.items():
         (folder / name).write_text(text)
     return folder
 
 
+def write_deck(system: System, folder):
+    return write_files(LIGGGHTS.render(system), folder)
+
+
 def make_system(*, x, v=None, spin=None, radius=0.5, mass=1.0, inertia=None, walls=(), sliding=None, steps=400,
-                dt=2e-3, kn=200.0, gn=0.5, attraction="allowed", **rest) -> System:
-    """Return a system of a few particles; SI numbers of order one."""
+                dt=2e-3, kn=200.0, gn=0.5, attraction="allowed", normal=None, **rest) -> System:
+    """Return a system of a few particles; SI numbers of order one. sliding: a law, or numbers of a spring's."""
     x = np.array(x, dtype=float)
     count, dim = x.shape
     spins = 1 if dim == 2 else 3
@@ -90,13 +172,15 @@ def make_system(*, x, v=None, spin=None, radius=0.5, mass=1.0, inertia=None, wal
         "v": np.zeros((count, dim)) if v is None else np.array(v, dtype=float),
         "spin": np.zeros((count, spins)) if spin is None else np.array(spin, dtype=float).reshape(count, spins),
     }
-    friction = None if sliding is None else SpringSliding(
-        **dict(zip(("shear_friction", "shear_stiffness", "shear_damping"), sliding, strict=True)))
+    if isinstance(sliding, tuple):
+        numbers = zip(("shear_friction", "shear_stiffness", "shear_damping"), sliding, strict=True)
+        sliding = SpringSliding(**dict(numbers))
+    linear = LinearNormal(normal_stiffness=kn, normal_damping=gn, attraction=attraction)
     given = {"gravity": None, "periodic": None, "background": None, "contacts": True, "sample_every": 10,
              "frame_every": steps // 4} | rest
     return System(
-        dimension=dim, particles=Particles(**filled), walls=tuple(walls), sliding=friction, dt=dt, steps=steps,
-        normal=LinearNormal(normal_stiffness=kn, normal_damping=gn, attraction=attraction), **given,
+        dimension=dim, particles=Particles(**filled), walls=tuple(walls), sliding=sliding, dt=dt, steps=steps,
+        normal=linear if normal is None else normal, **given,
     )
 
 

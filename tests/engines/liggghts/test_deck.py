@@ -40,6 +40,10 @@ def text(system) -> str:
     return LIGGGHTS.render(system)[INPUT]
 
 
+def test_the_deck_says_for_what_it_was_written_and_how_to_run_it(full):
+    assert "# LIGGGHTS-PUBLIC 3.8.0; run it by: liggghts -in in.liggghts" in text(full).splitlines()[:3]
+
+
 def test_an_effect_that_is_on_has_its_words_and_one_that_is_off_has_none(make, full):
     bare = text(make(x=[[1, 1.0], [2.1, 1.0]], contacts=False))
     for effect, words in WORDS_OF_EFFECTS.items():
@@ -90,8 +94,8 @@ def unsupported(system) -> list[str]:
 
 def test_every_effect_is_judged(full):
     judged = {s.effect: s.level for s in LIGGGHTS.supports(full)}
-    assert judged["normal contact"] == judged["loaded walls"] == "exact"
-    assert judged["sliding friction"] == "equivalent"
+    assert judged["normal contact: linear"] == judged["loaded walls"] == "exact"
+    assert judged["sliding friction: spring"] == "equivalent"
     assert not unsupported(full)
 
 

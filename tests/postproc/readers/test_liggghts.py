@@ -53,7 +53,7 @@ def _folder(tmp_path):
 
 def read(folder, **changes):
     given = {"dimension": 2, "walls": [FLOOR], "periodic": None, "inertia_factor": np.array([0.5, 0.4]),
-             "dt": 0.1, "sample_every": 10, "contacts": True, "sliding": True} | changes
+             "dt": 0.1, "sample_every": 10, "contacts": True, "history": ("ux", "uy", "uz")} | changes
     return read_liggghts(folder, **given)
 
 

@@ -1,107 +1,14 @@
-"""Small systems for the kernel, and a plain DEM to hold it against: loops over scalars, no NumPy.
+"""A plain DEM to hold the kernel against: loops over scalars and lists of three, no NumPy, none of its code.
 
-Units: radius 1, mass 1, k_n = 1e4, so that a head-on contact of two lasts t_c = 0.0222 and dt = t_c/50.
+Contact laws first, then the DEM. In two dimensions vectors have z = 0 and spins are (0, 0, w).
 """
 
 import math
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 
-from reference.kernel.conventions import CONVENTIONS
-from reference.kernel.laws.linear import LinearNormal
-from reference.kernel.laws.sliding import LAMMPS_TURN_THRESHOLD, SpringSliding
-from reference.kernel.model import Constant, Cosine, Fixed, Loaded, Model, Wall
-from reference.kernel.simulation import Simulation
-
-KN = 1e4
-CONTACT_TIME = math.pi / math.sqrt(2 * KN)
-INERTIA_FACTOR = {2: 0.5, 3: 0.4}
-
-
-def model(x, *, v=None, spin=None, radius=1.0, mass=1.0, walls=(), kn=KN, gn=0.0, clip=False, mu=None,
-          kt=2.0 / 7.0 * KN, gt=0.0, convention="talk", dt=CONTACT_TIME / 50, **effects) -> Model:
-    """x, v: one row a particle; `mu` None leaves friction out; `effects`: gravity, drag, periodic."""
-    x = np.array(x, float)
-    count, dim = x.shape
-    radius, mass = (np.array(np.broadcast_to(value, count), float) for value in (radius, mass))
-    spins = 1 if dim == 2 else 3
-    chosen = CONVENTIONS[convention] if isinstance(convention, str) else convention
-    sliding = None if mu is None else SpringSliding(
-        shear_friction=mu, shear_stiffness=kt, shear_damping=gt, algorithm=chosen.sliding)
-    return Model(
-        x=np.ascontiguousarray(x.T), v=np.zeros((dim, count)) if v is None else np.array(v, float).T.copy(),
-        spin=np.zeros((spins, count)) if spin is None else np.array(spin, float).reshape(count, spins).T.copy(),
-        radius=radius, mass=mass, inertia=INERTIA_FACTOR[dim] * mass * radius**2, walls=tuple(walls),
-        normal=LinearNormal(normal_stiffness=kn, normal_damping=gn, clip_attraction=clip),
-        sliding=sliding, convention=chosen, dt=dt, **effects)
-
-
-def wall(name, point, normal, *, friction=False, motion=None) -> Wall:
-    size = math.sqrt(sum(c * c for c in normal))
-    unit = tuple(c / size for c in normal)
-    return Wall(name=name, point=tuple(point), normal=unit, friction=friction, motion=motion or Fixed())
-
-
-def cluster(seed, dim, *, across=3, speed=1.0, squeeze=1.0, **options) -> Model:
-    """`across`^dim particles of radii 0.8..1.2 on a jittered lattice, some overlapping, all moving."""
-    rng = np.random.default_rng(seed)
-    places = 2.0 * squeeze * np.stack(np.meshgrid(*[np.arange(across)] * dim), -1).reshape(-1, dim).astype(float)
-    count = len(places)
-    given = {
-        "x": places + rng.uniform(-0.05, 0.05, places.shape) + 1.0, "radius": rng.uniform(0.8, 1.2, count),
-        "mass": rng.uniform(0.5, 2.0, count), "v": speed * rng.normal(size=places.shape),
-        "spin": speed * rng.normal(size=(count, 1 if dim == 2 else 3)),
-    }
-    return model(**(given | options))
-
-
-def box(side, dim, *, friction=()):
-    """Fixed walls around (0, side)^dim; `friction` names the rough ones among x0, x1, y0, .."""
-    eye = np.eye(dim)
-    sides = [(f"{'xyz'[a]}{s}", side * s * eye[a], (1 - 2 * s) * eye[a]) for a in range(dim) for s in (0, 1)]
-    return [wall(name, point, normal, friction=name in friction) for name, point, normal in sides]
-
-
-def run(simulation, steps) -> Simulation:
-    for _ in range(steps):
-        simulation.advance()
-    return simulation
-
-
-def frozen_bytes(simulation) -> bytes:
-    """The whole state to the last bit, springs by pair."""
-    s = simulation.state
-    arrays = [s.x, s.v, s.spin, s.force, s.wall_d, s.wall_rate, s.wall_force]
-    for k in simulation.interactions:
-        if k.pairs.spring is not None:
-            held = np.flatnonzero(k.pairs.spring.any(axis=0))
-            arrays += [k.pairs.i[held], k.pairs.j[held], k.pairs.spring[:, held]]
-    return b"".join(np.ascontiguousarray(a + 0.0 if a.dtype == float else a).tobytes() for a in arrays)
-
-
-def energy(simulation) -> float:
-    """Kinetic, rotational and elastic (normal springs)."""
-    s, m = simulation.state, simulation.model
-    v, spin = s.v[:, : m.particle_count], s.spin[:, : m.particle_count]
-    moving = 0.5 * (m.mass * v**2).sum() + 0.5 * (m.inertia * spin**2).sum()
-    return moving + sum(m.normal.energy(f.contact.overlap).sum() for _, f in simulation.contacts())
-
-
-def angular_momentum(simulation) -> np.ndarray:
-    """About the origin, spin included: three components (0, 0, L) in 2D."""
-    s, m = simulation.state, simulation.model
-    n = m.particle_count
-    x, v, spin = (_three(a[:, :n].T) for a in (s.x, s.v, np.vstack([0 * s.x, s.spin]) if m.dimension == 2 else s.spin))
-    return (m.mass[:, None] * np.cross(x, v) + m.inertia[:, None] * spin).sum(axis=0)
-
-
-def _three(rows):
-    return np.hstack([rows, np.zeros((len(rows), 3 - rows.shape[1]))])
-
-
-# --- the plain DEM: 3-component lists throughout, 2D as z = 0 and spin (0, 0, w) -------------------
+from reference.kernel.model import Constant, Cosine, Loaded, Model
 
 
 def add(a, b, factor=1.0):
@@ -124,63 +31,212 @@ def length(a):
     return math.sqrt(inner(a, a))
 
 
-def plain_normal(law, overlap, v_n):
-    force = law.normal_stiffness * overlap - law.normal_damping * v_n
-    return 0.0 if law.clip_attraction and force < 0 else force
+def across(a, n):
+    return add(a, n, -inner(a, n))
 
 
-def plain_sliding(law, xi, n, v_t, f_n, dt, advance):
-    """One contact by the words of the three papers and programs; returns (force on i, new spring)."""
-    return {"lammps": _plain_lammps, "liggghts": _plain_liggghts, "talk": _plain_talk}[law.algorithm](
-        law, xi, n, v_t, f_n, dt, advance)
+def reduced(q, i, j):
+    return q[i] if j < 0 else 1 / (1 / q[i] + 1 / q[j])
 
 
-def _turned_with_length(xi, n):
-    tangent = add(xi, n, -inner(xi, n))
+# --- normal laws: (law, overlap, a*, m*, delta_max) -> elastic force, dashpot, adhesion, delta_max -----
+
+
+def linear(law, d, a, m, top):
+    return law.normal_stiffness * d, law.normal_damping, 0.0, top
+
+
+def constant_restitution(e, stiffness, mass):
+    beta = math.log(e) / math.sqrt(math.log(e) ** 2 + math.pi**2)
+    return -2.0 * math.sqrt(5.0 / 6.0) * beta * math.sqrt(stiffness * mass)
+
+
+def hertz(law, d, a, m, top):
+    modulus = law.youngs_modulus / 2.0 / (1.0 - law.poisson_ratio**2)
+    gamma = constant_restitution(law.restitution, 2.0 * modulus * math.sqrt(a * d), m) if law.restitution < 1 else 0.0
+    return 4.0 / 3.0 * modulus * math.sqrt(a) * d**1.5, gamma, 0.0, top
+
+
+def hysteretic(law, d, a, m, top):
+    return branches(law, law.unloading_stiffness, d, max(top, d), None)
+
+
+def hysteretic_variable(law, d, a, m, top):
+    k1, kp, top = law.loading_stiffness, law.largest_unloading_stiffness, max(top, d)
+    limit = kp / (kp - k1) * law.plasticity_depth * 2.0 * a
+    if top >= limit:
+        return branches(law, kp, d, top, (1.0 - k1 / kp) * limit)
+    return branches(law, k1 + (kp - k1) * top / limit, d, top, None)
+
+
+def branches(law, k2, d, top, zero):
+    """Loading, un- and reloading, adhesion; `zero`: delta_0 where it is capped."""
+    k1, kc = law.loading_stiffness, law.adhesion_stiffness
+    capped, zero = zero is not None, (1.0 - k1 / k2) * top if zero is None else zero
+    back = k2 * (d - zero)
+    if back >= k1 * d and not capped:
+        return k1 * d, law.normal_damping, kc * d, top
+    if back > -kc * d:
+        return back, law.normal_damping, kc * d, top
+    return -kc * d, law.normal_damping, kc * d, (k2 + kc) / (k2 - k1) * d
+
+
+def dmt(law, d, a, m, top):
+    modulus, pull = law.youngs_modulus / 2.0 / (1.0 - law.poisson_ratio**2), 4.0 * math.pi * law.surface_energy * a
+    return 4.0 / 3.0 * modulus * math.sqrt(a) * d**1.5 - pull, law.normal_damping, pull, top
+
+
+NORMAL = {"LinearNormal": linear, "HertzNormal": hertz, "HystereticNormal": hysteretic,
+          "VariableHystereticNormal": hysteretic_variable, "DmtNormal": dmt}
+
+
+def normal(law, d, v_n, a, m, top):
+    """Return f_n, f_el, the strongest pull at this overlap, delta_max."""
+    elastic, gamma, pull, top = NORMAL[type(law).__name__](law, d, a, m, top)
+    total = elastic - gamma * v_n
+    return (0.0 if law.attraction == "clipped" and total < 0 else total), elastic, pull, top
+
+
+def grip(law, total, elastic, pull):  # what coefficients of friction multiply, before the convention's rule of signs
+    return elastic + 2.0 * pull if type(law).__name__ == "DmtNormal" else total + pull
+
+
+# --- sticking and sliding, by the words of the papers and programs --------------------------------------
+
+
+def slide(algorithm, spring, given, n, v, dt, advance):
+    """spring: (xi, slides). given: stiffness, damping, mu, mu_d, base. Return force, spring, whether it slides now."""
+    act = {"lammps": lammps, "liggghts": liggghts, "talk": talk, "lammps_twisting": twisting}[algorithm]
+    return act(spring, given, n, v, dt, advance)
+
+
+def turned_with_length(xi, n):
+    tangent = across(xi, n)
     return scaled(tangent, length(xi) / length(tangent)) if length(tangent) > 0 else tangent
 
 
-def _cut(test, limit):
-    return scaled(test, limit / length(test)) if length(test) > limit else test
+def limits(slid, given):
+    dynamic = given.mu if given.mu_d is None else given.mu_d
+    return (dynamic if slid else given.mu) * given.base, dynamic * given.base
 
 
-def _plain_lammps(law, xi, n, v_t, f_n, dt, advance):
-    kt, gt, limit = law.shear_stiffness, law.shear_damping, law.shear_friction * abs(f_n)
+def left_behind(force, v, given):
+    return scaled(add(force, v, given.damping), -1 / given.stiffness)
+
+
+def lammps(spring, given, n, v, dt, advance):
+    xi, slid = spring
+    limit, carried = limits(slid, given)
     if advance:
-        if abs(inner(xi, n)) * kt > LAMMPS_TURN_THRESHOLD * limit:
-            xi = _turned_with_length(xi, n)
-        xi = add(xi, v_t, dt)
-    test = add(scaled(xi, -kt), v_t, -gt)
+        if n is not None and abs(inner(xi, n)) * given.stiffness > 1e-10 * limit:
+            xi = turned_with_length(xi, n)
+        xi = add(xi, v, dt)
+    test = add(scaled(xi, -given.stiffness), v, -given.damping)
     if length(test) <= limit:
-        return test, xi
+        return test, (xi, False), False
+    force = scaled(test, carried / length(test))
     if not advance:
-        return (_cut(test, limit) if length(xi) > 0 else [0.0, 0.0, 0.0]), xi
-    force = _cut(test, limit)
-    return force, scaled(add(force, v_t, gt), -1 / kt)
+        return (force if length(xi) > 0 else [0.0] * len(xi)), (xi, slid), True
+    return force, (left_behind(force, v, given), True), True
 
 
-def _plain_liggghts(law, xi, n, v_t, f_n, dt, advance):
-    kt, gt, limit = law.shear_stiffness, law.shear_damping, law.shear_friction * abs(f_n)
+def twisting(spring, given, n, v, dt, advance):
+    xi, slid = spring
+    limit, carried = limits(slid, given)
     if advance:
-        xi = add(xi, v_t, dt)
-        xi = add(xi, n, -inner(xi, n))
-    if kt * length(xi) > limit:
-        force = _cut(scaled(xi, -kt), limit)
-        return force, scaled(force, -1 / kt) if advance else xi
-    return add(scaled(xi, -kt), v_t, -gt), xi
-
-
-def _plain_talk(law, xi, n, v_t, f_n, dt, advance):
-    kt, gt, limit = law.shear_stiffness, law.shear_damping, law.shear_friction * max(f_n, 0.0)
-    if advance:
-        xi = _turned_with_length(xi, n)
-    test = add(scaled(xi, -kt), v_t, -gt)
-    force = _cut(test, limit)
-    if not advance:
-        return force, xi
+        xi = add(xi, v, dt)
+    test = add(scaled(xi, -given.stiffness), v, -given.damping)
     if length(test) <= limit:
-        return force, add(xi, v_t, dt)
-    return force, scaled(add(force, v_t, gt), -1 / kt)
+        return test, (xi, False), False
+    force = [-carried * (1 if v[0] > 0 else -1 if v[0] < 0 else 0)]
+    return force, (left_behind(force, v, given), True), True
+
+
+def liggghts(spring, given, n, v, dt, advance):
+    kept = xi = spring[0]
+    limit, carried = limits(False, given)
+    if advance or n is None:
+        xi = add(xi, v, dt)
+    if advance and n is not None:
+        xi = across(xi, n)
+    slides = given.stiffness * length(xi) > limit
+    if slides:
+        xi = scaled(xi, carried / given.stiffness / length(xi))
+    force = scaled(xi, -given.stiffness)
+    return (force if slides else add(force, v, -given.damping)), (xi if advance else kept, False), slides
+
+
+def talk(spring, given, n, v, dt, advance):
+    xi, slid = spring
+    limit, carried = limits(slid, given)
+    if advance and n is not None:
+        xi = turned_with_length(xi, n)
+    test = add(scaled(xi, -given.stiffness), v, -given.damping)
+    slides = length(test) > limit
+    if not advance:
+        return (scaled(test, carried / length(test)) if slides else test), spring, slides
+    if slid and given.mu_d is not None:
+        coming = add(scaled(add(xi, v, dt), -given.stiffness), v, -given.damping)
+        slides = length(coming) > limit and length(test) > 0
+    force = scaled(test, carried / length(test)) if slides else test
+    return force, (left_behind(force, v, given) if slides else add(xi, v, dt), slides), slides
+
+
+def numbers(stiffness, damping, mu, base, mu_d=None):
+    return SimpleNamespace(**locals())
+
+
+# --- sliding, rolling, torsion -------------------------------------------------------------------------
+
+
+def sliding(law, c, spring, dt, advance):
+    """Force on i, new spring, whether it slides."""
+    word = type(law).__name__
+    if word == "ViscousSliding":
+        limit = law.shear_friction * (c.base if law.limit == "base" else abs(c.total))
+        drag = law.shear_damping * length(c.v_t)
+        return scaled(c.v_t, -law.shear_damping * (limit / drag if drag > limit else 1.0)), None, drag > limit
+    if word == "MindlinSliding":
+        e, nu = law.normal.youngs_modulus, law.normal.poisson_ratio
+        stiffness = 2.0 * e / (2.0 - nu) / (1.0 + nu) * math.sqrt(c.a * c.overlap)
+        damping = constant_restitution(law.normal.restitution, stiffness, c.m) if law.normal.restitution < 1 else 0.0
+        given = numbers(stiffness, damping, law.shear_friction, c.base)
+    else:
+        given = numbers(law.shear_stiffness, law.shear_damping, law.shear_friction, c.base, law.dynamic_friction)
+    return slide(law.algorithm, spring or ([0.0] * 3, False), given, c.n, c.v_t, dt, advance)
+
+
+def rolling(law, c, spring, dt, advance):
+    if type(law).__name__ == "ConstantRolling":
+        return constant_rolling(law, c), None, None
+    given = numbers(law.rolling_stiffness, law.rolling_damping, law.rolling_friction, c.base)
+    spring = spring or ([0.0] * 3, False)
+    if law.frame == "space":
+        force, spring, slides = slide(law.algorithm, spring, given, None, scaled(across(c.spin, c.n), c.a), dt, advance)
+        return scaled(force, c.a), spring, slides
+    v_r = scaled(add(cross(c.n, c.spin_i), cross(c.n, c.spin_j), -1), -c.a)
+    force, spring, slides = slide(law.algorithm, spring, given, c.n, v_r, dt, advance)
+    return scaled(cross(c.n, force), c.a), spring, slides
+
+
+def constant_rolling(law, c):
+    along = across(c.spin, c.n)
+    if law.algorithm == "liggghts":
+        plastic = "Hysteretic" in type(law.normal).__name__
+        force, size = law.normal.loading_stiffness * c.overlap if plastic else c.elastic, length(c.spin)
+    else:
+        force, size = grip(law.normal, c.elastic, c.elastic, c.pull), length(along)
+    return scaled(along, -law.rolling_friction * c.a * force / size) if size else [0.0] * 3
+
+
+def torsion(law, c, spring, dt, advance):
+    given = numbers(law.torsion_stiffness, law.torsion_damping, law.torsion_friction, c.base)
+    v_o = [c.a * inner(c.n, c.spin)]
+    force, spring, slides = slide(law.algorithm, spring or ([0.0], False), given, None, v_o, dt, advance)
+    return scaled(c.n, c.a * force[0]), spring, slides
+
+
+# --- the plain DEM ----------------------------------------------------------------------------------------
 
 
 class PlainDem:
@@ -194,7 +250,7 @@ class PlainDem:
         self.wall_n = [_to_three(w.normal) for w in m.walls]
         self.wall_v = [_to_three(w.motion.velocity) if isinstance(w.motion, Constant) else [0.0] * 3 for w in m.walls]
         self.wall_x = [_to_three(w.point) for w in m.walls]
-        self.springs, self.time = {}, 0.0
+        self.memory, self.time = {}, 0.0
         self.evaluate(advance=False)
         self.wall_a = self.wall_accelerations()
 
@@ -249,19 +305,20 @@ class PlainDem:
         m, count = self.m, len(self.x)
         self.force, self.torque = ([[0.0] * 3 for _ in range(count)] for _ in range(2))
         self.wall_force = [[0.0] * 3 for _ in m.walls]
-        self.rows, springs = [], {}
+        self.rows, memory = [], {}
         for i in range(count):
             for j in range(i + 1, count):
-                self.pair(i, j, springs, advance)
+                self.pair(i, j, memory, advance)
             for k in range(len(m.walls)):
-                self.wall_contact(i, k, springs, advance)
+                self.wall_contact(i, k, memory, advance)
             if m.gravity is not None:
                 self.force[i] = add(self.force[i], _to_three(m.gravity), m.mass[i])
             if m.drag is not None:
                 self.force[i] = add(self.force[i], self.v[i], -m.drag)
-        self.springs = springs
+        if advance or not self.time:
+            self.memory = memory
 
-    def pair(self, i, j, springs, advance):
+    def pair(self, i, j, memory, advance):
         branch = add(self.x[i], self.x[j], -1)
         for axis, side in enumerate(self.m.periodic or ()):
             while side and branch[axis] > side / 2:
@@ -271,39 +328,61 @@ class PlainDem:
         overlap = self.m.radius[i] + self.m.radius[j] - length(branch)
         if overlap <= 0:
             return
-        n, c = scaled(branch, 1 / length(branch)), self.m.convention
-        force = self.contact((i, j), n, overlap, add(self.v[i], self.v[j], -1), c.slip_arm, springs, advance)
+        n = scaled(branch, 1 / length(branch))
+        force, couple = self.contact((i, j), n, overlap, add(self.v[i], self.v[j], -1), memory, advance)
         self.force[i], self.force[j] = add(self.force[i], force), add(self.force[j], force, -1)
-        for p in (i, j):
-            self.torque[p] = add(self.torque[p], cross(n, force), -self.arm(p, overlap, c.torque_arm))
+        for p, sign in ((i, 1), (j, -1)):
+            self.torque[p] = add(self.torque[p], couple, sign)
+            if self.m.sliding is not None:
+                arm = self.arm(p, overlap, self.m.convention.torque_arm)
+                self.torque[p] = add(self.torque[p], cross(n, force), -arm)
 
-    def wall_contact(self, i, k, springs, advance):
-        n, c = self.wall_n[k], self.m.convention
+    def wall_contact(self, i, k, memory, advance):
+        n = self.wall_n[k]
         overlap = self.m.radius[i] - inner(add(self.x[i], self.wall_x[k], -1), n)
         if overlap <= 0:
             return
-        v = add(self.v[i], self.wall_v[k], -1)
-        force = self.contact((i, -1 - k), n, overlap, v, c.wall_slip_arm, springs, advance)
+        force, couple = self.contact((i, -1 - k), n, overlap, add(self.v[i], self.wall_v[k], -1), memory, advance)
         self.force[i], self.wall_force[k] = add(self.force[i], force), add(self.wall_force[k], force, -1)
-        if self.m.walls[k].friction:
-            self.torque[i] = add(self.torque[i], cross(n, force), -self.arm(i, overlap, c.wall_torque_arm))
+        self.torque[i] = add(self.torque[i], couple)
+        if self.m.walls[k].friction and self.m.sliding is not None:
+            arm = self.arm(i, overlap, self.m.convention.wall_torque_arm)
+            self.torque[i] = add(self.torque[i], cross(n, force), -arm)
 
-    def contact(self, key, n, overlap, v, arm, springs, advance):
-        i, j = key
-        v_n = inner(v, n)
-        f_n = plain_normal(self.m.normal, overlap, v_n)
-        rough = self.m.sliding is not None and (j >= 0 or self.m.walls[-1 - j].friction)
-        force, spring = scaled(n, f_n), None
-        if rough:
-            turning = scaled(self.w[i], self.arm(i, overlap, arm))
-            if j >= 0:
-                turning = add(turning, self.w[j], self.arm(j, overlap, arm))
-            v_t = add(add(v, n, -v_n), cross(turning, n), -1)
-            old = self.springs.get(key, [0.0] * 3)
-            f_t, spring = plain_sliding(self.m.sliding, old, n, v_t, f_n, self.m.dt, advance)
-            force, springs[key] = add(force, f_t), spring
-        self.rows.append((key, overlap, n, force, spring))
-        return force
+    def contact(self, key, n, overlap, v, memory, advance):
+        m, j, kept, new = self.m, key[1], self.memory.get(key, {}), {}
+        v_n, a, mass = inner(v, n), reduced(m.radius, *key), reduced(m.mass, *key)
+        total, elastic, pull, new["normal"] = normal(m.normal, overlap, v_n, a, mass, kept.get("normal", 0.0))
+        force, couple, slides = scaled(n, total), [0.0] * 3, {}
+        c = SimpleNamespace(n=n, overlap=overlap, total=total, elastic=elastic, pull=pull, a=a, m=mass)
+        if j >= 0 or m.walls[-1 - j].friction:
+            gripping = grip(m.normal, total, elastic, pull)
+            c.base = abs(gripping) if m.convention.limit == "absolute" else max(gripping, 0.0)
+            self.turning(c, key, add(v, n, -v_n))
+            if m.sliding is not None:
+                f_t, new["sliding"], slides["sliding"] = sliding(m.sliding, c, kept.get("sliding"), m.dt, advance)
+                force = add(force, f_t)
+            for family in ("rolling", "torsion"):
+                law = getattr(m, family)
+                if law is not None:
+                    act = {"rolling": rolling, "torsion": torsion}[family]
+                    q, new[family], slides[family] = act(law, c, kept.get(family), m.dt, advance)
+                    couple = add(couple, q)
+        memory[key] = new
+        self.rows.append(SimpleNamespace(key=key, overlap=overlap, n=n, force=force, memory=new, slides=slides))
+        return force, couple
+
+    def turning(self, c, key, v_across):
+        (i, j), convention = key, self.m.convention
+        c.spin_i, c.spin_j = self.w[i], self.w[j] if j >= 0 else [0.0] * 3
+        slip = convention.slip_arm if j >= 0 else convention.wall_slip_arm
+        turning = scaled(self.w[i], self.arm(i, c.overlap, slip))
+        if j >= 0:
+            turning = add(turning, self.w[j], self.arm(j, c.overlap, slip))
+        elif convention.wall_spin == "raised":
+            radius = self.m.radius[i]
+            c.spin_i = scaled(self.w[i], (radius - c.overlap / 2) / (radius - c.overlap))
+        c.v_t, c.spin = add(v_across, cross(turning, c.n), -1), add(c.spin_i, c.spin_j, -1)
 
     def arm(self, i, overlap, kind):
         return self.m.radius[i] - (0.0 if kind == "radius" else overlap / 2)
@@ -314,9 +393,7 @@ def _to_three(row):
 
 
 @pytest.fixture(scope="session")
-def dem() -> SimpleNamespace:
-    """Builders, measures and the plain DEM."""
-    return SimpleNamespace(
-        model=model, wall=wall, cluster=cluster, box=box, run=run, bytes=frozen_bytes, energy=energy,
-        angular_momentum=angular_momentum, KN=KN, tc=CONTACT_TIME, Simulation=Simulation,
-        plain_normal=plain_normal, plain_sliding=plain_sliding, Plain=PlainDem)
+def dem(build) -> SimpleNamespace:
+    """Builders, measures, the plain DEM and its laws."""
+    plain = SimpleNamespace(normal=normal, slide=slide, numbers=numbers)
+    return SimpleNamespace(**vars(build), Plain=PlainDem, plain=plain)

@@ -134,7 +134,7 @@ def test_a_contact_begins_with_the_smallest_overlap(dem, overlap):
 
 def springs_of(simulation):
     pairs = simulation.interactions[0].pairs
-    rows = zip(pairs.i.tolist(), pairs.j.tolist(), pairs.spring.T.tolist(), strict=True)
+    rows = zip(pairs.i.tolist(), pairs.j.tolist(), pairs.memory["sliding"].T.tolist(), strict=True)
     return {(i, j): tuple(u) for i, j, u in rows if any(u)}
 
 

@@ -22,9 +22,10 @@ def test_momentum_over_ten_thousand_steps(dem, mu):
     assert simulation.rebuilds > 100
 
 
-def imploding(dem, dim, convention):
+def imploding(dem, dim, convention, **laws):
     """A cluster that falls together, so that many contacts rub before it flies apart."""
-    m = dem.cluster(2, dim, across=4 if dim == 2 else 3, squeeze=1.05, mu=0.5, gn=5.0, gt=3.0, convention=convention)
+    laws = laws or {"mu": 0.5, "gn": 5.0, "gt": 3.0}
+    m = dem.cluster(2, dim, across=4 if dim == 2 else 3, squeeze=1.05, convention=convention, **laws)
     return dataclasses.replace(m, v=m.v - 0.75 * (m.x - m.x.mean(axis=1, keepdims=True)))
 
 
@@ -47,6 +48,17 @@ def test_angular_momentum_with_friction(dem, dim, convention):
     `lammps` measures the slip at R but applies the torque at R - overlap/2, so it conserves as well.
     """
     assert drift_of_angular_momentum(dem, imploding(dem, dim, convention), 1000) < 1e-12
+
+
+@pytest.mark.parametrize("convention", CONVENTIONS)
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize(("normal", "sliding", "rolling"), [
+    ("hertz", "mindlin", "spring"), ("hysteretic", "spring", "constant"), ("hysteretic_variable", "viscous", "spring")])
+def test_angular_momentum_with_every_law(dem, normal, sliding, rolling, dim, convention):
+    """Couples come in opposite pairs; rolling and torsion springs included."""
+    words = {"normal": normal, "sliding": sliding, "rolling": rolling} | ({"torsion": "spring"} if dim == 3 else {})
+    tables = {family: dem.table(family, word) for family, word in words.items()}
+    assert drift_of_angular_momentum(dem, imploding(dem, dim, convention, **tables), 300) < 1e-12
 
 
 @pytest.mark.parametrize("dim", [2, 3])

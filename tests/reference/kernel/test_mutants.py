@@ -8,7 +8,11 @@ import pytest
 
 from reference.analytic.linear_collision import LinearCollision
 from reference.kernel import interactions, neighbours, simulation
-from reference.kernel.laws import linear, sliding
+from reference.kernel.laws import (
+    law,
+    linear,
+    slider,
+)
 from reference.kernel.model import Cosine, Loaded
 
 # --- checks ----------------------------------------------------------------------------------------
@@ -23,7 +27,7 @@ def check_restitution(dem):
 
 
 def check_no_attraction(dem):
-    """With `clip_attraction` no contact force pulls: a head-on pair never slows down again."""
+    """With attraction clipped no contact force pulls: a head-on pair never slows down again."""
     m = dem.model([[0.0, 0.0], [2.001, 0.0]], v=[[1.0, 0.0], [-1.0, 0.0]], gn=60.0, clip=True)
     s, last = dem.Simulation(m), -2.0
     for _ in range(150):
@@ -184,40 +188,40 @@ def test_the_kernel_passes(dem, check):
 
 # --- mutants ---------------------------------------------------------------------------------------
 
-FORCE, NORMAL = sliding.SpringSliding.force, linear.LinearNormal.force
-TALK, CROSS, SPIN = sliding._ALGORITHMS["talk"], interactions.torque_cross, interactions.spin_cross
+MOVE, NORMAL, TALK = slider.Slider.move, law.NormalLaw.force, slider._ALGORITHMS["talk"]
+CROSS, SPIN = interactions.torque_cross, interactions.spin_cross
 LOADED, KICK = simulation.Simulation._loaded_force, simulation.Simulation._kick
+ALGORITHMS, LINEAR, INTERACTION = slider._ALGORITHMS, linear.LinearNormal, interactions.Interaction
 
 
-def frictionless(law, xi, n, v_t, f_n, dt, *, advance):
-    return np.zeros_like(xi), xi
+def frictionless(self, memory, rate, base, n, dt, *, advance):
+    return np.zeros_like(rate), memory
 
 
-def uncut(law, xi, n, v_t, f_n, dt):
-    force, _ = TALK(law, xi, n, v_t, f_n, dt)
-    return force, xi + dt * v_t
+def uncut(s, c, advance):
+    force, _, slides = TALK(s, c, advance)
+    return force, c.xi + c.dt * c.rate, slides
 
 
-def spring_after_sliding_lost(law, xi, n, v_t, f_n, dt):
-    force, spring = TALK(law, xi, n, v_t, f_n, dt)
-    at_limit = np.sqrt((force**2).sum(axis=0)) >= (1 - 1e-12) * law.shear_friction * np.maximum(f_n, 0.0)
-    return force, np.where(at_limit, 0.0, spring)
+def spring_after_sliding_lost(s, c, advance):
+    force, spring, slides = TALK(s, c, advance)
+    return force, np.where(slides, 0.0, spring), slides
 
 
-def unlimited(law, xi, n, v_t, f_n, dt):
-    return -law.shear_stiffness * xi - law.shear_damping * v_t, xi + dt * v_t
+def unlimited(s, c, advance):
+    return -s.stiffness * c.xi - s.damping * c.rate, c.xi + c.dt * c.rate, c.rate[0] > np.inf
 
 
-def damping_that_drives(law, contact):
-    return NORMAL(law, dataclasses.replace(contact, v_n=-contact.v_n))
+def damping_that_drives(self, contact, memory):
+    return NORMAL(self, dataclasses.replace(contact, v_n=-contact.v_n), memory)
 
 
-def stiffness_doubled(law, contact):
-    return 2.0 * NORMAL(law, contact)
+def stiffness_doubled(self, contact, memory):
+    return 2.0 * self.normal_stiffness * contact.overlap, memory
 
 
-def never_clipped(law, contact):
-    return NORMAL(dataclasses.replace(law, clip_attraction=False), contact)
+def never_clipped(self, contact, memory):
+    return NORMAL(dataclasses.replace(self, attraction="allowed"), contact, memory)
 
 
 def one_sided(self, forces, force, torque):
@@ -229,8 +233,9 @@ def no_image(m, x, i, j):
     return x.take(i, axis=1) - x.take(j, axis=1)
 
 
-def springs_kept(self, touching, spring):
-    self.pairs.spring[:, touching] = spring
+def memory_kept(self, touching, memory):
+    for family, kept in self.memory.items():
+        kept[:, touching] = memory[family]
 
 
 def loads_pull(self, k, motion):
@@ -259,26 +264,27 @@ def wall_the_other_way(self, time):
 
 
 MUTANTS = {
-    "friction dropped": (sliding.SpringSliding, "force", frictionless, check_friction_loop),
-    "friction dropped, floor": (sliding.SpringSliding, "force", frictionless, check_rolling),
-    "Coulomb limit dropped": (sliding._ALGORITHMS, "talk", unlimited, check_friction_loop),
+    "friction dropped": (slider.Slider, "move", frictionless, check_friction_loop),
+    "friction dropped, floor": (slider.Slider, "move", frictionless, check_rolling),
+    "Coulomb limit dropped": (ALGORITHMS, "talk", unlimited, check_friction_loop),
     "torque of the wrong sign": (interactions, "torque_cross", lambda a, f: -CROSS(a, f), check_angular_momentum),
     "torque of the wrong sign, floor": (interactions, "torque_cross", lambda a, f: -CROSS(a, f), check_rolling),
     "torque dropped": (interactions, "torque_cross", lambda a, f: 0.0 * CROSS(a, f), check_rolling),
     "slip of the wrong sign": (interactions, "spin_cross", lambda w, n: -SPIN(w, n), check_rolling),
     "spins not in the slip": (interactions, "spin_cross", no_turning, check_rolling),
-    "spring not turned": (sliding, "_rescaled", lambda turned, old: old, check_spring_turns_with_the_pair),
+    "spring not turned": (slider, "_rescaled", lambda turned, old: old, check_spring_turns_with_the_pair),
     "spring shortened as it turns": (
-        sliding, "_rescaled", lambda turned, old: turned, check_spring_turns_with_the_pair),
-    "spring not cut on sliding": (sliding._ALGORITHMS, "talk", uncut, check_friction_loop),
-    "spring lost on sliding": (sliding._ALGORITHMS, "talk", spring_after_sliding_lost, check_friction_loop),
-    "spring kept after opening": (interactions.Interaction, "_store", springs_kept, check_old_springs_are_forgotten),
+        slider, "_rescaled", lambda turned, old: turned, check_spring_turns_with_the_pair),
+    "spring not cut on sliding": (ALGORITHMS, "talk", uncut, check_friction_loop),
+    "spring lost on sliding": (ALGORITHMS, "talk", spring_after_sliding_lost, check_friction_loop),
+    "spring kept after opening": (
+        neighbours.CandidateList, "remember", memory_kept, check_old_springs_are_forgotten),
     "lever arm R": (interactions, "_arms", full_radius, check_angular_momentum),
     "lever arm halved": (interactions, "_arms", half_an_arm, check_plain),
-    "damping of the wrong sign": (linear.LinearNormal, "force", damping_that_drives, check_restitution),
-    "attraction not clipped": (linear.LinearNormal, "force", never_clipped, check_no_attraction),
-    "stiffness doubled": (linear.LinearNormal, "force", stiffness_doubled, check_contact_time),
-    "no reaction": (interactions.Interaction, "add_to", one_sided, check_momentum),
+    "damping of the wrong sign": (LINEAR, "force", damping_that_drives, check_restitution),
+    "attraction not clipped": (LINEAR, "force", never_clipped, check_no_attraction),
+    "stiffness doubled": (LINEAR, "elastic", stiffness_doubled, check_contact_time),
+    "no reaction": (INTERACTION, "add_to", one_sided, check_momentum),
     "no nearest image": (interactions, "branch_vectors", no_image, check_boundary),
     "list never renewed": (simulation.Simulation, "renew_candidates", lambda self: None, check_fast_particle),
     "springs lost in a rebuild": (

@@ -1,34 +1,31 @@
 """Whole trajectories against the plain DEM of conftest: every effect, both dimensions, every convention."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
-from reference.kernel.conventions import Convention
+from reference.kernel.conventions import TALK
 from reference.kernel.model import Constant, Cosine, Loaded
 
-MIXED = Convention(name="mixed", slip_arm="reduced", torque_arm="radius", wall_slip_arm="radius",
-                   wall_torque_arm="reduced", sliding="talk")
+MIXED = dataclasses.replace(TALK, name="mixed", torque_arm="radius", wall_slip_arm="radius", wall_torque_arm="reduced")
 """No code's own, but all four lever arms differ from their neighbours."""
 
 CONVENTIONS = ("lammps", "liggghts", "talk", MIXED)
 MU = 0.4
+STIFFNESS = 1e4
 
 
 def follow(dem, m, steps, *, check_every=50):
-    """Run both, compare them on the way; return the plain DEM's contacts of all steps: (key, sliding or None)."""
+    """Run both, compare them on the way; return the plain DEM's contacts of all steps: (key, which laws slide)."""
     kernel, plain, met = dem.Simulation(m), dem.Plain(m), []
     for step in range(1, steps + 1):
         kernel.advance()
         plain.advance()
-        met += [(key, None if spring is None else slides(n, f)) for key, _, n, f, spring in plain.rows]
+        met += [(row.key, row.slides) for row in plain.rows]
         if step % check_every == 0:
             same_state(kernel, plain)
     return met
-
-
-def slides(n, force):
-    f_n = np.dot(force, n)
-    return bool(np.linalg.norm(np.array(force) - f_n * np.array(n)) > (1 - 1e-9) * MU * abs(f_n))
 
 
 def same_state(kernel, plain):
@@ -40,17 +37,25 @@ def same_state(kernel, plain):
     close(s.spin[:, :n].T, spin)
     if m.walls:
         close(s.x[:, n:].T, np.array(plain.wall_x)[:, :dim])
-        stiffness = m.normal.normal_stiffness
-        close(s.wall_force.T / stiffness, np.array(plain.wall_force)[:, :dim] / stiffness)
+        close(s.wall_force.T / STIFFNESS, np.array(plain.wall_force)[:, :dim] / STIFFNESS)
     for interaction in kernel.interactions:
-        if interaction.sliding is not None:
-            same_springs(interaction.pairs, plain, n, dim)
+        for family, memory in interaction.pairs.memory.items():
+            same_memory(interaction.pairs, family, memory, plain, n)
 
 
-def same_springs(pairs, plain, n, dim):
-    for i, j, spring in zip(pairs.i, pairs.j, pairs.spring.T, strict=True):
-        key = (i, j if j < n else n - 1 - j)
-        close(spring, plain.springs.get(key, [0.0] * 3)[:dim])
+def same_memory(pairs, family, memory, plain, n):
+    """Springs, whether they slide, largest overlaps; the plain DEM keeps three components and (0, 0, w)."""
+    for i, j, kept in zip(pairs.i, pairs.j, memory.T, strict=True):
+        other = plain.memory.get((i, j if j < n else n - 1 - j), {}).get(family)
+        if other is None:
+            assert not kept.any()
+        elif family == "normal":
+            close(kept, [other])
+        else:
+            xi, slid = other
+            if plain.m.dimension == 2:
+                xi = xi[2:] if family == "rolling" and plain.m.rolling.frame == "space" else xi[:2]
+            close(kept, [*xi, float(slid)][: len(kept)])
 
 
 def close(got, expected):
@@ -59,7 +64,7 @@ def close(got, expected):
 
 def both_ways(met, *, pairs=True):
     """Contacts stuck and slid, between particles or at walls: else the comparison says little."""
-    kinds = {sliding for (_, j), sliding in met if (j >= 0) == pairs and sliding is not None}
+    kinds = {slides["sliding"] for (_, j), slides in met if (j >= 0) == pairs and "sliding" in slides}
     return kinds == {True, False}
 
 
@@ -72,7 +77,7 @@ def test_a_box_of_rough_and_smooth_walls(dem, dim, convention):
     met = follow(dem, m, 150)
     assert both_ways(met)
     assert both_ways(met, pairs=False)
-    assert any(j < 0 and sliding is None for (_, j), sliding in met)
+    assert any(j < 0 and not slides for (_, j), slides in met)
 
 
 @pytest.mark.parametrize("convention", CONVENTIONS, ids=lambda c: getattr(c, "name", c))
@@ -113,3 +118,38 @@ def test_loaded_wall_in_three_dimensions(dem):
     floor = dem.wall("floor", (0.0, 0.0, 0.0), (0.0, 0.0, 1.0), friction=True)
     m = dem.cluster(6, 3, across=2, squeeze=0.9, speed=2.0, walls=[lid, floor], mu=MU, gt=2.0, convention="lammps")
     assert both_ways(follow(dem, m, 120), pairs=False)
+
+
+COMBINED = {
+    "elastic spheres": (
+        ("normal", "hertz"), ("sliding", "mindlin"), ("rolling", "spring"), ("torsion", "spring")),
+    "plastic and adhesive": (
+        ("normal", "hysteretic"), ("sliding", "spring", {"dynamic_friction": 0.2}), ("rolling", "spring"),
+        ("torsion", "spring")),
+    "plastic with growing stiffness": (
+        ("normal", "hysteretic_variable"), ("sliding", "viscous"), ("rolling", "constant")),
+    "attractive spheres": (("normal", "dmt"), ("sliding", "spring"), ("rolling", "constant"), ("torsion", "spring")),
+    "static and dynamic friction": (("normal", "linear"), ("sliding", "spring", {"dynamic_friction": 0.1})),
+    "rolling resistance alone": (("normal", "hertz", {"attraction": "clipped"}), ("rolling", "spring")),
+}
+"""Every law, in company: family, word and changes of its numbers."""
+
+
+@pytest.mark.parametrize("convention", CONVENTIONS, ids=lambda c: getattr(c, "name", c))
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("name", COMBINED)
+def test_every_law_in_a_box(dem, name, dim, convention):
+    tables = {family: dem.table(family, word, **(changes[0] if changes else {}))
+              for family, word, *changes in COMBINED[name] if (family, dim) != ("torsion", 2)}
+    walls = dem.box(5.2 if dim == 2 else 3.4, dim, friction=("x0", "y1", "z0"))
+    m = dem.cluster(7, dim, across=3 if dim == 2 else 2, squeeze=0.8, speed=3.0, walls=walls, convention=convention,
+                    **tables)
+    met = follow(dem, m, 60, check_every=10)
+    for family in {"sliding", "rolling", "torsion"} & set(tables):
+        kinds = {slides[family] for _, slides in met if family in slides}
+        assert kinds == ({None} if tables[family]["law"] == "constant" else {True, False})
+    assert any(j < 0 and slides for (_, j), slides in met)
+
+
+def test_every_law_is_in_company(dem):
+    assert {(family, word) for laws in COMBINED.values() for family, word, *_ in laws} == set(dem.tables)

@@ -133,7 +133,7 @@ walls = (Wall(name="left", point=(0.0, 0.0), normal=(1.0, 0.0), friction=True),
 model = Model(
     x=packed.x, v=rng.normal(size=(2, 20)), spin=rng.normal(size=(1, 20)), radius=radius, mass=np.ones(20),
     inertia=0.5 * radius**2, walls=walls,
-    normal=LinearNormal(normal_stiffness=1e4, normal_damping=2.0, clip_attraction=True),
+    normal=LinearNormal(normal_stiffness=1e4, normal_damping=2.0, attraction="clipped"),
     sliding=SpringSliding(shear_friction=0.5, shear_stiffness=2e3, shear_damping=1.0, algorithm="lammps"),
     convention=LAMMPS, dt=5e-4, gravity=(0.1, -0.3), drag=0.01)
 s = Simulation(model)

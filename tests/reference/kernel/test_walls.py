@@ -173,7 +173,7 @@ def test_a_frictionless_problem_has_no_torque_no_spring_and_no_wall_pairs(dem):
     simulation = dem.Simulation(dem.model([[0.0, 0.0], [1.9, 0.0]]))
     assert simulation.state.torque is None
     assert [k.walls for k in simulation.interactions] == [None]
-    assert simulation.interactions[0].pairs.spring is None
+    assert not simulation.interactions[0].pairs.memory
     rough_without_law = dem.model([[0.0, 0.9]], walls=[dem.wall("floor", (0, 0), (0, 1), friction=True)])
     assert [k.sliding for k in dem.Simulation(rough_without_law).interactions] == [None, None]
 

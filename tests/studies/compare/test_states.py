@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.studies.compare.states import OF_FRICTION, SHOWN, frame_averages, state_curves
+from harness.scene.model import HystereticNormal, SpringRolling, ViscousSliding
+from harness.studies.compare.states import OF_THE_OVERLAP, SHOWN, frame_averages, state_curves
 
 
 def test_stresses_and_strain_are_exact(box):
@@ -38,9 +39,32 @@ def test_frames_without_contacts_give_what_needs_none(box):
 
 def test_without_friction_there_is_no_spring_and_no_spin_to_average(box):
     frame, sliding = box.trajectory().frames[3], box.system
-    smooth = sliding.with_(sliding=None)
-    assert set(OF_FRICTION) <= set(frame_averages(frame, sliding))
-    assert not set(OF_FRICTION) & set(frame_averages(frame, smooth))
+    rolling = SpringRolling(rolling_friction=0.1, rolling_stiffness=1e4, rolling_damping=0.0)
+    viscous = ViscousSliding(shear_friction=0.5, shear_damping=0.1)
+
+    def of_friction(**laws):
+        found = frame_averages(frame, sliding.with_(**laws))
+        return {"rotational energy", "elastic energy, tangential"} & set(found)
+
+    assert of_friction() == {"rotational energy", "elastic energy, tangential"}
+    assert of_friction(sliding=None) == set()
+    assert of_friction(sliding=None, rolling=rolling) == of_friction(sliding=viscous) == {"rotational energy"}
+
+
+def test_energy_that_a_law_keeps_in_its_memory_is_left_out_with_its_reason(box):
+    law = HystereticNormal(
+        loading_stiffness=5e4, unloading_stiffness=1e5, adhesion_stiffness=0.0, normal_damping=0.1
+    )
+    linear, hysteretic = (state_curves(box.trajectory(), box.system.with_(normal=n)) for n in (box.system.normal, law))
+    assert set(linear.values) - set(hysteretic.values) == set(OF_THE_OVERLAP)
+    reasons = {hysteretic.absent[q] for q in OF_THE_OVERLAP}
+    assert reasons == {'the law "hysteretic" stores what the overlap does not tell'}
+    assert set(OF_THE_OVERLAP) & set(linear.absent) == set()
+
+
+def test_units_are_those_of_the_post_processor(box):
+    units = state_curves(box.trajectory(), box.system).units
+    assert (units["sigma_zz from walls"], units["kinetic energy"], units["volume fraction"]) == ("N/m", "J", "1")
 
 
 def test_elastic_energy_is_that_of_the_springs(box):

@@ -1,0 +1,80 @@
+"""Atom types: LIGGGHTS keeps the constants of a law in tables over pairs of types.
+
+Mostly there is one type, of everything. Meshes without friction beside meshes with friction are a type of
+their own, because all meshes share one `fix wall/gran`. Where a constant depends on who touches whom (a
+dashpot that LIGGGHTS wants as a restitution), every radius and mass is a type, and walls are another.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf
+
+import numpy as np
+
+from harness.engines.facts import is_rough
+from harness.engines.liggghts.planes import meshes
+from harness.scene.system import System, Wall
+
+MOST_BODIES = 12
+"""Different bodies that get types of their own; the tables grow with the square."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Kind:
+    """What atoms and walls of one type are; radius (m) and mass (kg) are inf for walls, None where they do not count.
+
+    smooth: walls that only push.
+    """
+
+    radius: float | None = None
+    mass: float | None = None
+    smooth: bool = False
+
+
+def kinds(system: System, *, by_body: bool) -> tuple[Kind, ...]:
+    """Return what type 1, 2, ... are."""
+    found = [Kind(radius=r, mass=m) for r, m in bodies(system)] if by_body else [Kind()]
+    if by_body and system.walls:
+        found.append(Kind(radius=inf, mass=inf))
+    if mixed(system):
+        found.append(Kind(radius=inf, mass=inf, smooth=True))
+    return tuple(found)
+
+
+def bodies(system: System) -> list[tuple[float, float]]:
+    """Return the different (radius, mass) of the particles, ascending."""
+    p = system.particles
+    return sorted(set(zip(p.radius.tolist(), p.mass.tolist(), strict=True)))
+
+
+def types_of_particles(system: System, *, by_body: bool) -> np.ndarray:
+    """Return the type of every particle, (N,)."""
+    p = system.particles
+    if not by_body:
+        return np.ones(len(p), dtype=int)
+    number = {body: k + 1 for k, body in enumerate(bodies(system))}
+    return np.array([number[body] for body in zip(p.radius.tolist(), p.mass.tolist(), strict=True)])
+
+
+def type_of_wall(system: System, wall: Wall, *, by_body: bool) -> int:
+    """Return the type whose constants a wall has."""
+    rough = len(bodies(system)) + 1 if by_body else 1
+    apart = mixed(system) and wall in meshes(system) and not is_rough(system, wall)
+    return rough + 1 if apart else rough
+
+
+def mixed(system: System) -> bool:
+    """Are there meshes with friction and meshes without?"""
+    return len({is_rough(system, w) for w in meshes(system)}) == 2
+
+
+def reduced(a: float, b: float) -> float:
+    """Return a b/(a + b) of two masses or radii, of which one may be a wall's; 1 for two walls, which never touch.
+
+    >>> reduced(2.0, 2.0), reduced(2.0, inf)
+    (1.0, 2.0)
+    """
+    if a == b == inf:
+        return 1.0
+    return min(a, b) if inf in (a, b) else a * b / (a + b)

@@ -1,0 +1,1 @@
+"""Two dimensions, in complex numbers."""

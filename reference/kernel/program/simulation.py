@@ -1,0 +1,191 @@
+"""A running system on the fast kernel; the same face as `reference.kernel.simulation.Simulation`.
+
+The list of pairs is looked at every CHECK_EVERY steps, after they have been made. If by then two nodes could have
+closed a gap of one skin, a contact may have been missed: the interval is taken back and made again from a new list.
+A margin makes that rare, the look afterwards makes it safe.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from reference.kernel.interactions import Forces, Interaction
+from reference.kernel.model import Model
+from reference.kernel.program.compose import DIMENSIONS, can_compose, history_of, one_step, remember_normals, spin_unit
+from reference.kernel.program.contacts import Contacts
+from reference.kernel.program.nodes import Nodes
+from reference.kernel.program.walls import MovingWalls
+from reference.kernel.simulation import KernelUnstable, Simulation
+from reference.kernel.state import State
+from reference.kernel.vectors import dot
+
+CHECK_EVERY = 8
+"""Steps between two looks at the list."""
+
+MARGIN = 1.5
+"""The list is renewed when the next interval, if it moves 1.5 times as far as the last, would use up the skin."""
+
+
+class ProgramSimulation:
+    """`advance(steps)`; `state`, `contacts()` and `interactions` are made from the program's arrays when asked for.
+
+    Raises KernelUnstable as `Simulation` does.
+    """
+
+    def __init__(self, model: Model, *, skin: float | None = None):
+        self.model = model
+        self._textbook = Simulation(model, skin=skin)
+        self.skin = self._textbook.skin
+        self.rebuilds = 0
+        state = self._textbook.state
+        self._dimension = DIMENSIONS[model.dimension]
+        self.nodes: Nodes = self._dimension.nodes(model, state, spin_unit=spin_unit(model, state.radius))
+        self.walls = MovingWalls(model, self.nodes, state)
+        self.walls.start()
+        self.nodes.step_back()
+        self._in_step = True
+        self._pairs: Contacts | None = None
+        self._renew(self.skin)
+
+    @property
+    def time(self) -> float:
+        """Time of the state, s."""
+        return self.walls.step * self.model.dt
+
+    @property
+    def operations(self) -> list[str]:
+        """What a step does, "effect: operation" in order."""
+        return self._program.names
+
+    @property
+    def history(self) -> dict[str, np.ndarray]:
+        """What listed pairs remember, (P,) by name; empty without laws that do."""
+        return self._pairs.history
+
+    @property
+    def state(self) -> State:
+        """The state of now, with full-step velocities."""
+        self._hand_over()
+        return self._textbook.state
+
+    @property
+    def interactions(self) -> list[Interaction]:
+        """The contacts that acted in the last step."""
+        self._hand_over()
+        return self._textbook.interactions
+
+    def contacts(self) -> list[tuple[Interaction, Forces]]:
+        """Return the contacts of now, evaluated with full-step velocities; nothing is changed."""
+        self._hand_over()
+        return self._textbook.contacts()
+
+    def advance(self, steps: int = 1) -> None:
+        """Make steps of dt."""
+        end = self.walls.step + steps
+        while self.walls.step < end:
+            self._advance_checked(min(CHECK_EVERY, end - self.walls.step))
+            self._in_step = False
+
+    # --- the guarded interval ------------------------------------------------------------------
+
+    def _advance_checked(self, steps: int) -> None:
+        """Make a few steps, and make them again from a new list if a contact could have been missed."""
+        before, kept, end = self._moved, self._snapshot(), self.walls.step + steps
+        skin = self.skin
+        while True:
+            self._program.run(steps)
+            self.walls.step = end
+            moved = self._largest_move()
+            if 2.0 * moved < self._list_skin:
+                break
+            self._restore(kept)
+            skin = skin if before else 2.0 * skin
+            self._renew(skin)
+            before = 0.0
+        self._moved = moved
+        self._refuse_passed_walls()
+        if 2.0 * (moved + MARGIN * (moved - before)) >= self._list_skin:
+            self._renew(self.skin)
+
+    def _renew(self, skin: float) -> None:
+        """Find the pairs anew and compose the program for them."""
+        if not np.isfinite(self.nodes.place_vector).all():
+            raise KernelUnstable(f"step {self.walls.step}: a position is no longer a finite number")
+        old, state = self._pairs, self._textbook.state
+        self._pairs = self._dimension.contacts(self.model, self.nodes.places(), state, skin, history_of(self.model))
+        if old is not None:
+            self._pairs.inherit(old, self.nodes.count)
+        remember_normals(self.model, self.nodes, self._pairs)
+        self._program = one_step(self.model, self.nodes, self.walls, self._pairs)
+        self._built_at, self._list_skin, self._moved = self.nodes.places(), skin, 0.0
+        self.rebuilds += 1
+
+    def _largest_move(self) -> float:
+        away = self.nodes.places() - self._built_at
+        moved = math.sqrt(float(dot(away, away).max(initial=0.0)))
+        if not math.isfinite(moved):
+            raise KernelUnstable(f"step {self.walls.step}: a position is no longer a finite number")
+        return moved
+
+    def _snapshot(self) -> tuple:
+        return self.nodes.snapshot(), self.walls.snapshot(), self._pairs, {
+            name: values.copy() for name, values in self._pairs.history.items()
+        }
+
+    def _restore(self, kept: tuple) -> None:
+        nodes, walls, self._pairs, history = kept
+        self.nodes.restore(nodes)
+        self.walls.restore(walls)
+        for name, values in history.items():
+            self._pairs.history[name][:] = values
+
+    def _refuse_passed_walls(self) -> None:
+        """Raise when a particle centre has passed a wall: beyond it the plane is no wall."""
+        c, n, places = self._pairs, self.model.particle_count, self.nodes.places()
+        for k, pairs in c.wall_slices.items():
+            i = c.i[pairs]
+            height = dot(places[:, i] - places[:, n + k, None], self.walls.normal[:, k, None])
+            for particle in i[height <= 0.0][:1]:
+                raise KernelUnstable(
+                    f"by step {self.walls.step}: the centre of particle {particle + 1} has passed wall "
+                    f"'{self.model.walls[k].name}'"
+                )
+
+    # --- the textbook's view -------------------------------------------------------------------
+
+    def _hand_over(self) -> None:
+        """Bring the textbook simulation to the state of now, for everything that only looks."""
+        if self._in_step:
+            return
+        state, n = self._textbook.state, self.model.particle_count
+        half = self.nodes.half_step_velocities()
+        self.nodes.write(state)
+        state.step = self.walls.step
+        state.wall_force = state.force[:, n:].copy()
+        for wall in self.walls.moving:
+            state.wall_d[wall.number], state.wall_rate[wall.number] = wall.d, wall.rate
+        for interaction in self._textbook.interactions:
+            rows = self._hand_pairs_to(interaction)
+            forces = interaction.evaluate(state, *half, self.model.dt, advance=False)
+            interaction.last = replace(forces, force=self._pairs.force_on_i(rows[forces.touching]))
+        self._in_step = True
+
+    def _hand_pairs_to(self, interaction: Interaction) -> np.ndarray:
+        """Give an interaction its pairs and their memory; return which of the program's they are, in its order."""
+        c, n = self._pairs, self.model.particle_count
+        mine = c.j < n if interaction.walls is None else np.isin(c.j - n, interaction.walls)
+        rows = np.flatnonzero(mine)
+        rows = rows[np.argsort(c.keys(self.nodes.count)[rows])]
+        interaction.pairs.replace(c.i[rows], c.j[rows])
+        if interaction.sliding is not None:
+            elongation = c.history["sliding"][:, rows] / self.model.sliding.shear_stiffness
+            interaction.pairs.memory["sliding"] = c.spring(rows, elongation)
+        return rows
+
+
+def fastest(model: Model) -> Simulation | ProgramSimulation:
+    """Return the program kernel where it has operations for every effect of the model, else the textbook one."""
+    return ProgramSimulation(model) if can_compose(model) else Simulation(model)
