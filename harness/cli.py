@@ -82,6 +82,7 @@ def parser() -> argparse.ArgumentParser:
     _run_verb(verbs)
     _compare_verb(verbs)
     _laws_verb(verbs)
+    _bench_verb(verbs)
     verbs.add_parser("average", help="the post-processor alone, on a neutral state file")
     return top
 
@@ -128,6 +129,12 @@ def _laws_verb(verbs) -> None:
     verb.add_argument("--workers", type=_count, metavar="N", help="runs at a time; default: the number of cores")
     verb.add_argument("--out", type=_folder, default=Path("out/laws"), metavar="DIR", help="default: %(default)s")
     verb.add_argument("--time-limit", type=_seconds, default=120.0, metavar="S", help="per run; default: %(default)g")
+
+
+def _bench_verb(verbs) -> None:
+    verb = _add(verbs, "bench", _bench, "speed of the kernel against the codes, on the same packings")
+    verb.add_argument("--quick", action="store_true", help="fewer cases and rounds, up to 20000 particles")
+    verb.add_argument("--out", type=_folder, default=Path("out/bench"), metavar="DIR", help="default: out/bench")
 
 
 def _add_run_options(verb: argparse.ArgumentParser) -> None:
@@ -234,6 +241,19 @@ def _laws(options) -> int:
     if options.json != "-":
         print(f"{summary(result)}\nreport: {written.page}")
     return result.exit_status
+
+
+def _bench(options) -> int:
+    from harness.report.bench import bench_answer, summary, write_bench
+    from harness.runs.progress import progress_for
+    from harness.studies.bench import bench
+
+    done = bench(quick=options.quick, out=options.out, progress=progress_for)
+    page = write_bench(done, options.out)
+    _show(bench_answer(done), options)
+    if options.json != "-":
+        print(f"{summary(done)}\nreport: {page}")
+    return done.exit_status
 
 
 def _average(words: list[str]) -> int:

@@ -3,7 +3,7 @@
     (built)     {"setup": CPU s}
     run 200     {"cpu": CPU s of the 200 steps}
     places      {}, positions in PLACES
-    memory      {"resident": growth of the resident set since before the set-up, ...}, bytes
+    facts       {"resident": growth of the resident set since before the set-up in bytes, ...: `Running.facts`}
 
 Replies are JSON lines on what was standard output; whatever the engine itself prints goes to standard error.
 """
@@ -77,10 +77,10 @@ def _answer(running: Running, request: list[str], before: int | None) -> dict:
     if word == "places":
         np.save(PLACES, running.places())
         return {}
-    if word == "memory":
+    if word == "facts":
         resident = resident_bytes()
         grown = {} if before is None or resident is None else {"resident": resident - before}
-        return grown | running.allocated()
+        return grown | running.facts()
     raise ValueError(f"unknown request {word!r}")
 
 

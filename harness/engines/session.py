@@ -53,9 +53,9 @@ class Session:
         self._ask("places")
         return np.load(self._folder / PLACES)
 
-    def memory(self) -> dict[str, int]:
-        """Return bytes by what they are: `harness.engines.rounds`. Raises Lost."""
-        return self._ask("memory")
+    def facts(self) -> dict[str, int]:
+        """Return memory and what else there is to tell: `harness.engines.rounds`. Raises Lost."""
+        return self._ask("facts")
 
     def close(self) -> None:
         """End the child, whatever it does."""

@@ -21,6 +21,8 @@ class Timed(Protocol):
     name: str
     slow: bool
     """It is given fewer steps, and no large systems."""
+    note: str
+    """In which way it computes, one line in the code's own words."""
 
     def probe(self) -> Probe:
         """Say whether the code can run here, and its version."""
@@ -47,8 +49,8 @@ class Running(Protocol):
     def places(self) -> np.ndarray:
         """Return the positions, (N, dim) in m, ids ascending."""
 
-    def allocated(self) -> dict[str, int]:
-        """Return what the code can say of its own memory in bytes, {} if nothing: see `memory` of the replies."""
+    def facts(self) -> dict[str, int]:
+        """Return what the code can say of itself: bytes `held` and at the `peak`, `rebuilds` of its pair list."""
 
 
 def refused(supports) -> str:

@@ -8,7 +8,6 @@ import time
 from pathlib import Path
 
 from reference.kernel.deck import Plan, read_deck
-from reference.kernel.model import Model
 from reference.kernel.output import FRAMES, SERIES, SeriesWriter, write_frame
 from reference.kernel.program.simulation import ProgramSimulation, fastest
 from reference.kernel.simulation import KernelUnstable, Simulation

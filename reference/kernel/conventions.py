@@ -8,7 +8,7 @@ then be measured with one kernel.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 Arm = Literal["radius", "reduced"]
@@ -27,6 +27,7 @@ class Convention:
     sliding, rolling, torsion: which algorithm of `reference.kernel.laws.slider` moves the spring.
     limit: friction is limited by mu |f_n| or by mu max(f_n, 0).
     viscous_limit, rolling_frame, constant_rolling: choices of `laws.viscous`, `laws.rolling`, `laws.constant_rolling`.
+    scheme: the codes' leapfrog with half-step velocities in the forces, or `reference.kernel.corrected`.
     wall_spin: how fast a particle is taken to roll on a wall: "whole", its spin; "raised", that times
     (R - overlap/2)/(R - overlap).
     """
@@ -44,6 +45,7 @@ class Convention:
     rolling_frame: Literal["contact", "space"]
     constant_rolling: Literal["talk", "liggghts"]
     wall_spin: Literal["whole", "raised"]
+    scheme: Literal["leapfrog", "corrected"] = "leapfrog"
 
 
 LAMMPS = Convention(
@@ -67,4 +69,11 @@ TALK = Convention(
 )
 """S. Luding, Granular Matter 10, 235 (2008): test force, sticking / sliding, spring rescaled."""
 
+CORRECTED = replace(TALK, name="corrected", sliding="lammps", rolling="lammps", torsion="lammps", scheme="corrected")
+"""The laws of the talks in a second-order scheme; springs are stretched before they are tested."""
+
 CONVENTIONS = {c.name: c for c in (LAMMPS, LIGGGHTS, TALK)}
+"""What codes and talks do."""
+
+NAMED = CONVENTIONS | {CORRECTED.name: CORRECTED}
+"""All that a deck can name."""

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from reference.kernel.conventions import CONVENTIONS, Convention
+from reference.kernel.conventions import NAMED, Convention
 from reference.kernel.laws.law import Law
 from reference.kernel.laws.registry import LAWS, build_law
 from reference.kernel.model import Constant, Cosine, Fixed, Loaded, Model, Wall
@@ -47,7 +47,7 @@ def read_deck(folder: Path) -> tuple[Model, Plan]:
 def _model(deck: dict, p: dict[str, np.ndarray]) -> Model:
     axes = "xyz"[: deck["dimension"]]
     spins = ["wz"] if deck["dimension"] == 2 else ["wx", "wy", "wz"]
-    convention = CONVENTIONS[deck["convention"]]
+    convention = NAMED[deck["convention"]]
     return Model(
         x=np.stack([p[a] for a in axes]),
         v=np.stack([p[f"v{a}"] for a in axes]),

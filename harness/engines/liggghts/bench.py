@@ -40,6 +40,7 @@ class TimedLiggghts:
 
     name = "liggghts"
     slow = False
+    note = "pair gran; primitive walls; friction in its own convention"
 
     def probe(self) -> Probe:
         """See the engine."""

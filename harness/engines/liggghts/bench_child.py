@@ -33,8 +33,8 @@ class RunningLiggghts:
         """Return the positions, (N, dim); periodic images as they are."""
         return self.instance.vectors("x")[np.argsort(self.instance.ids()), : self.dimension].copy()
 
-    def allocated(self) -> dict[str, int]:
-        """LIGGGHTS is not asked."""
+    def facts(self) -> dict[str, int]:
+        """LIGGGHTS says nothing."""
         return {}
 
 

@@ -41,8 +41,8 @@ class Asked(Protocol):
     def places(self) -> np.ndarray:
         """Return positions, (N, dim)."""
 
-    def memory(self) -> dict[str, int]:
-        """Return bytes."""
+    def facts(self) -> dict[str, int]:
+        """Return memory in bytes and other counts."""
 
     def close(self) -> None:
         """End it."""
@@ -79,7 +79,7 @@ class Track:
     """What became of an entrant. seconds: (rounds,) CPU s a step, empty unless timed.
 
     off: rms distance from the kernel's positions after WARM_STEPS over the rms displacement; None if not
-    compared. memory: bytes by what they are. setup: CPU s are not part of it.
+    compared. facts: see `harness.engines.rounds`.
     """
 
     status: Status
@@ -87,7 +87,7 @@ class Track:
     seconds: np.ndarray = field(default_factory=lambda: np.empty(0))
     steps: int = 0
     off: float | None = None
-    memory: Mapping[str, int] = field(default_factory=dict)
+    facts: Mapping[str, int] = field(default_factory=dict)
 
 
 def measure(entrants: Sequence[Entrant], folder: Path, opener: Opener, effort: Effort) -> dict[str, Track]:
@@ -116,7 +116,7 @@ class _Runner:
         self.warm_seconds, self.steps = math.nan, 0
         self.seconds: list[float] = []
         self.places: np.ndarray | None = None
-        self.memory: dict[str, int] = {}
+        self.facts: dict[str, int] = {}
         self._session: Asked | None = None
         if self.status == "timed":
             self._trying(lambda: self._open(folder, opener, stack))
@@ -132,14 +132,14 @@ class _Runner:
         self._trying(lambda: self.seconds.append(self._session.run(self.steps) / self.steps))
 
     def weigh(self) -> None:
-        """Ask for memory, which ends the timing."""
-        self._trying(lambda: self.memory.update(self._session.memory()))
+        """Ask for memory and other facts, which ends the timing."""
+        self._trying(lambda: self.facts.update(self._session.facts()))
 
     def track(self) -> Track:
         """Return what came of it."""
         if self.status != "timed":
             return Track(status=self.status, reason=self.reason)
-        return Track(status="timed", seconds=np.array(self.seconds), steps=self.steps, memory=self.memory)
+        return Track(status="timed", seconds=np.array(self.seconds), steps=self.steps, facts=self.facts)
 
     def _open(self, folder: Path, opener: Opener, stack: ExitStack) -> None:
         entrant = self.entrant

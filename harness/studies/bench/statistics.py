@@ -55,3 +55,13 @@ def exponent(counts: Sequence[int], seconds: Sequence[float]) -> Exponent | None
     slope = float(dx @ y / (dx @ dx))
     rest = y - y.mean() - slope * dx
     return Exponent(slope, math.sqrt(float(rest @ rest / (len(x) - 2) / (dx @ dx))), len(x))
+
+
+def growth(counts: Sequence[int], amounts: Sequence[float]) -> float | None:
+    """Return b in amount = a + b N by least squares over the sizes N >= LEAST_COUNT; None with fewer than two."""
+    points = [(n, a) for n, a in zip(counts, amounts, strict=True) if n >= LEAST_COUNT]
+    if len({n for n, _ in points}) < 2:
+        return None
+    x, y = np.array(points, float).T
+    dx = x - x.mean()
+    return float(dx @ y / (dx @ dx))

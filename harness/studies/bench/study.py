@@ -18,7 +18,7 @@ from harness.engines.session import Session
 from harness.engines.timed import Timed
 from harness.runs.outcome import Host, host_facts
 from harness.studies.bench.cases import CASES, MEAN_RADIUS, Case
-from harness.studies.bench.measure import Effort, Entrant, Opener, Track, measure
+from harness.studies.bench.measure import WARM_STEPS, Effort, Entrant, Opener, Track, measure
 from harness.studies.bench.packing import BenchPacking
 from harness.studies.bench.problem import problem
 
@@ -33,6 +33,9 @@ SLOW_SHARE = 0.125
 SLOW_LIMIT = {True: 2000, False: 20_000}
 """Largest number of particles for slow codes, quick or not."""
 
+QUICK_EXTRAS = (2000, 20_000)
+"""Sizes at which a quick run has slow codes and the kernel in the case's base; a full one has them at all."""
+
 FEW_PARTICLES = 12
 
 TIME_LIMIT = 600.0
@@ -41,13 +44,17 @@ TIME_LIMIT = 600.0
 
 @dataclass(frozen=True, kw_only=True)
 class Cell:
-    """One case at one size, timed. load: runnable processes of the machine when it ended."""
+    """One case at one size, timed. load: runnable processes of the machine when it ended.
+
+    steps_made: of the kernel, with those before the rounds.
+    """
 
     case: Case
     count: int
     packing: BenchPacking
     tracks: dict[str, Track]
     load: float
+    steps_made: int
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,7 +62,8 @@ class Bench:
     """What was timed, where. kernel, others: names of the codes. skipped: cases that the kernel does not compute,
     with the reason.
 
-    versions: by code, those that are here. core: what all children were pinned to; None if the system cannot.
+    notes: how each code computes. versions: of those that are here. core: what all children were pinned to; None
+    if the system cannot.
     """
 
     quick: bool
@@ -63,6 +71,7 @@ class Bench:
     skipped: dict[str, str]
     kernel: str
     others: tuple[str, ...]
+    notes: dict[str, str]
     versions: dict[str, str]
     host: Host
     core: int | None
@@ -114,7 +123,7 @@ def bench(
     return Bench(
         quick=quick, cells=tuple(_cells(plan, field, progress, quick=quick)), skipped=skipped, kernel=kernel.name,
         others=tuple(t.name for t in timed if t is not kernel), effort=field.effort, host=host_facts(), core=core,
-        versions={n: p.version for n, p in probes.items() if p.available},
+        notes={t.name: t.note for t in timed}, versions={n: p.version for n, p in probes.items() if p.available},
     )
 
 
@@ -144,16 +153,18 @@ def base_label(kernel: Timed, case: Case) -> str:
 
 def _cell(case: Case, count: int, field: _Field, *, quick: bool) -> Cell:
     system, packing = problem(case, count, cache=field.cache)
-    skin = case.skin * MEAN_RADIUS
-    others = [t for t in field.timed if t is not field.kernel and not (t.slow and count > SLOW_LIMIT[quick])]
+    skin, extras = case.skin * MEAN_RADIUS, not quick or count in QUICK_EXTRAS
+    slow = extras and count <= SLOW_LIMIT[quick]
+    others = [t for t in field.timed if t is not field.kernel and (slow or not t.slow)]
     entrants = [
         Entrant(label=t.name, timed=t, system=system, skin=skin, share=SLOW_SHARE if t.slow else 1.0)
         for t in (field.kernel, *others)
     ]
     with tempfile.TemporaryDirectory(prefix="grainproof-bench-") as folder:
-        entrants += field.base_entrants(case, count)
+        entrants += field.base_entrants(case, count) if extras else []
         tracks = measure(entrants, Path(folder), field.opener, field.effort)
-    return Cell(case=case, count=count, packing=packing, tracks=tracks, load=os.getloadavg()[0])
+    made = WARM_STEPS + tracks[field.kernel.name].steps * field.effort.rounds
+    return Cell(case=case, count=count, packing=packing, tracks=tracks, load=os.getloadavg()[0], steps_made=made)
 
 
 def _says(cell: Cell, kernel: Timed) -> str:

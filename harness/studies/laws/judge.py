@@ -163,11 +163,12 @@ Answer = Sequence[np.ndarray]
 
 def _sizes(answers: Sequence[Answer], a: Arrangement) -> tuple[float, float]:
     """Return the largest force and the largest torque, or what stands for it."""
-    force, torque = (max(float(np.abs(answer[k]).max()) for answer in answers) for k in (0, 1))
-    return force, max(torque, SMALL_TORQUE * a.grains.reduced_radius(a.partner) * force)
+    force, torque = (float(np.max([np.abs(answer[k]).max() for answer in answers])) for k in (0, 1))
+    return force, float(np.maximum(torque, SMALL_TORQUE * a.grains.reduced_radius(a.partner) * force))
 
 
 def _apart(answer: Answer, other: Answer, sizes: tuple[float, float]) -> float:
-    """Return the largest relative difference of force or torque; zero size and zero difference make zero."""
+    """Return the largest relative difference of force or torque, NaN if one is; no size and no difference make zero."""
     found = [float(np.abs(x - y).max()) for x, y in zip(answer, other, strict=True)]
-    return max(d / s if s > 0.0 else (0.0 if d == 0.0 else np.inf) for d, s in zip(found, sizes, strict=True))
+    relative = [d / s if s != 0.0 else (0.0 if d == 0.0 else np.inf) for d, s in zip(found, sizes, strict=True)]
+    return float(np.max(relative))

@@ -13,7 +13,8 @@ class Touching:
 
     i, j: (M,) node numbers (walls follow the particles). n: (dim, M) unit normal from j to i.
     overlap: (M,) m. v_n: (M,) rate of separation (v_i - v_j).n, m/s.
-    v_t: (dim, M) slip velocity of i relative to j at the contact, m/s. torque_arm_i, torque_arm_j:
+    v_t: (dim, M) slip velocity of i relative to j at the contact, m/s. mean_v_t: its mean over the step, by which
+    springs are stretched, in schemes that know it; else v_t does. torque_arm_i, torque_arm_j:
     (M,) lever arms of the tangential force, m. spin: (1|3, M) omega_i - omega_j, rad/s.
     reduced_radius: (M,) a* = a_i a_j/(a_i + a_j), a_i at a wall, m. reduced_mass: likewise m*, kg.
     """
@@ -24,6 +25,7 @@ class Touching:
     overlap: np.ndarray
     v_n: np.ndarray
     v_t: np.ndarray | None = None
+    mean_v_t: np.ndarray | None = None
     torque_arm_i: np.ndarray | None = None
     torque_arm_j: np.ndarray | None = None
     spin: np.ndarray | None = None

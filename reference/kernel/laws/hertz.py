@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -18,6 +19,8 @@ class HertzNormal(NormalLaw):
     E* and beta: `spheres`. `attraction` "allowed" or "clipped" as in `NormalLaw`; the restitution is `restitution` at
     every speed if it is allowed.
     """
+
+    onset: ClassVar[tuple[float, float] | None] = (1.5, 0.25)
 
     youngs_modulus: float
     poisson_ratio: float

@@ -6,6 +6,7 @@ The law of the talks; without adhesion that of Walton & Braun, J. Rheol. 30, 949
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -16,6 +17,8 @@ from reference.kernel.laws.law import Memory, NormalLaw
 @dataclass(frozen=True, kw_only=True)
 class PlasticNormal(NormalLaw):
     """What the laws with plastic loading share: f_n = f_el - gamma_n v_n, memory delta_max, (1, M) in m."""
+
+    onset: ClassVar[tuple[float, float] | None] = (1.0, 0.0)
 
     loading_stiffness: float
     adhesion_stiffness: float

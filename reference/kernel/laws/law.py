@@ -41,6 +41,9 @@ class NormalLaw(Law):
     """
 
     attraction: str = "allowed"
+    onset: ClassVar[tuple[float, float] | None] = None
+    """Exponents with which elastic force and dashpot grow from the begin of a contact, for
+    `reference.kernel.corrected`; None where that scheme corrects nothing and stays of first order."""
 
     def force(self, contact: Touching, memory: Memory) -> tuple[np.ndarray, np.ndarray, Memory]:
         """Return f_n and f_el, (M,) in N, and the new memory."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -13,6 +14,8 @@ from reference.kernel.laws.law import Memory, NormalLaw
 @dataclass(frozen=True, kw_only=True)
 class LinearNormal(NormalLaw):
     """f_n = k_n delta - gamma_n v_n; `attraction` "allowed" or "clipped" as in `NormalLaw`."""
+
+    onset: ClassVar[tuple[float, float] | None] = (1.0, 0.0)
 
     normal_stiffness: float
     normal_damping: float

@@ -49,4 +49,7 @@ class MindlinSliding(SlidingLaw):
             algorithm=self.algorithm, stiffness=self.normal.shear_stiffness(contact),
             damping=self.normal.shear_damping(contact), friction=self.shear_friction,
         )
-        return slider.move(memory, contact.v_t, pressing.base, contact.n, dt, advance=advance)
+        return slider.move(
+            memory, contact.v_t, pressing.base, contact.n, dt, advance=advance,
+            mean_rate=contact.mean_v_t,
+        )

@@ -47,7 +47,8 @@ class Slider:
     dynamic_friction: float | None = None
 
     def move(
-        self, memory: np.ndarray, rate: np.ndarray, base: np.ndarray, n: np.ndarray | None, dt: float, *, advance: bool
+        self, memory: np.ndarray, rate: np.ndarray, base: np.ndarray, n: np.ndarray | None, dt: float, *, advance: bool,
+        mean_rate: np.ndarray | None = None,
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return the force (c, M) and the new memory: the spring (c, M), below it 1 where it slides (with a state).
 
@@ -63,7 +64,8 @@ class Slider:
         if len(memory) > components:
             slid = memory[-1] > 0.0
             limit = np.where(slid, carried, limit)
-        state = _State(xi=xi, rate=rate, n=n, limit=limit, carried=carried, slid=slid, dt=dt)
+        state = _State(xi=xi, rate=rate, n=n, limit=limit, carried=carried, slid=slid,
+                       stretch=dt * (rate if mean_rate is None else mean_rate))
         force, xi, slides = _ALGORITHMS[self.algorithm](self, state, advance)
         if slid is None:
             return force, xi
@@ -80,7 +82,7 @@ class _State:
     limit: np.ndarray
     carried: np.ndarray
     slid: np.ndarray | None
-    dt: float
+    stretch: np.ndarray
 
 
 def memory_rows(components: int, algorithm: str, dynamic_friction: float | None) -> int:
@@ -96,7 +98,7 @@ def _lammps(s: Slider, c: _State, advance: bool):
         along = dot(xi, c.n)
         turned = np.abs(along) * s.stiffness > LAMMPS_TURN_THRESHOLD * c.limit
         xi = np.where(turned, _rescaled(xi - along * c.n, xi), xi)
-    xi = xi + c.dt * c.rate
+    xi = xi + c.stretch
     force, slides = _limited(s, xi, c)
     return force, np.where(slides, _spring_of(s, force, c.rate), xi), slides
 
@@ -112,7 +114,7 @@ def _lammps_set_up(s: Slider, c: _State):
 
 def _lammps_twisting(s: Slider, c: _State, advance: bool):
     """One component; the spring is cut even when time stands still, as it is in pair granular."""
-    xi = c.xi + c.dt * c.rate if advance else c.xi
+    xi = c.xi + c.stretch if advance else c.xi
     test, slides = _limited(s, xi, c)
     force = np.where(slides, -c.carried * np.sign(c.rate), test)
     return force, np.where(slides, _spring_of(s, force, c.rate), xi), slides
@@ -122,7 +124,7 @@ def _liggghts(s: Slider, c: _State, advance: bool):
     """A spring that does not turn (rolling) is stretched for the force even when time stands still."""
     xi = c.xi
     if advance or c.n is None:
-        xi = xi + c.dt * c.rate
+        xi = xi + c.stretch
     if advance and c.n is not None:
         xi = xi - dot(xi, c.n) * c.n
     stretch = s.stiffness * norm(xi)
@@ -144,10 +146,10 @@ def _talk(s: Slider, c: _State, advance: bool):
     size = norm(test)
     slides = size > c.limit
     if c.slid is not None:
-        coming = norm(_test_force(s, xi + c.dt * c.rate, c.rate))
+        coming = norm(_test_force(s, xi + c.stretch, c.rate))
         slides = np.where(c.slid, (coming > c.limit) & (size > 0.0), slides)
     force = test * _ratio(c.carried, size, slides)
-    return force, np.where(slides, _spring_of(s, force, c.rate), xi + c.dt * c.rate), slides
+    return force, np.where(slides, _spring_of(s, force, c.rate), xi + c.stretch), slides
 
 
 _ALGORITHMS = {"lammps": _lammps, "lammps_twisting": _lammps_twisting, "liggghts": _liggghts, "talk": _talk}

@@ -40,7 +40,10 @@ class SpringSliding(SlidingLaw):
             algorithm=self.algorithm, stiffness=self.shear_stiffness, damping=self.shear_damping,
             friction=self.shear_friction, dynamic_friction=self.dynamic_friction,
         )
-        return slider.move(memory, contact.v_t, pressing.base, contact.n, dt, advance=advance)
+        return slider.move(
+            memory, contact.v_t, pressing.base, contact.n, dt, advance=advance,
+            mean_rate=contact.mean_v_t,
+        )
 
     def energy(self, contact: Touching, memory: np.ndarray) -> np.ndarray:
         """Return the stored energy k_t xi^2 / 2, shape (M,), in J."""

@@ -4,24 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 
+from reference.kernel.program.buffers import lined_up
 from reference.kernel.program.contacts import Contacts
 from reference.kernel.program.program import Program
 
 
-class LeverArms:
-    """a_i, a_j of slip or torque: arrays of radii, or buffers that hold R - overlap/2 during the step."""
+def lever_arms(p: Program, c: Contacts, *, pairs: str, walls: str) -> np.ndarray:
+    """Return a of i and of j, (2, P): the radii, or a buffer that holds R - overlap/2 during the step.
 
-    def __init__(self, p: Program, c: Contacts, *, pairs: str, walls: str):
-        """`pairs`, `walls`: "radius" or "reduced", the convention's arm there."""
-        self.i, self.j = c.radius_i, c.radius_j
-        kinds = {"reduced": pairs, "walls": walls}
-        where = _reduced_part(c, kinds["reduced"], kinds["walls"])
-        if where is None:
-            return
-        self.i, self.j, half = c.radius_i.copy(), c.radius_j.copy(), np.empty(c.count)[where]
-        p(np.multiply, c.overlap[where], 0.5, out=half)
-        p(np.subtract, c.radius_i[where], half, out=self.i[where])
-        p(np.subtract, c.radius_j[where], half, out=self.j[where])
+    pairs, walls: "radius" or "reduced", the convention's arm there.
+    """
+    reduced = _reduced_part(c, pairs, walls)
+    if reduced is None:
+        return c.radius
+    arms, half = lined_up(c.radius), c.a[reduced]
+    p(np.multiply, c.overlap[reduced], 0.5, out=half)
+    p(np.subtract, c.radius[:, reduced], half, out=arms[:, reduced])
+    return arms
 
 
 def _reduced_part(c: Contacts, pairs: str, walls: str) -> slice | None:

@@ -9,82 +9,73 @@ The full-step velocity v(n) = v(n-1/2) + dt/2 f(n)/m is needed for output only a
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from types import ModuleType
 
 import numpy as np
 
-from reference.kernel.laws.law import NormalLaw
-from reference.kernel.laws.linear import LinearNormal
-from reference.kernel.laws.sliding import SpringSliding
 from reference.kernel.model import Loaded, Model
-from reference.kernel.program.arms import LeverArms
+from reference.kernel.program.arms import lever_arms
+from reference.kernel.program.buffers import empty, lined_up
 from reference.kernel.program.contacts import Contacts
-from reference.kernel.program.laws.linear import linear
+from reference.kernel.program.laws.normal import NormalOperations
+from reference.kernel.program.laws.registry import NORMAL, has_operations, tangential_laws
+from reference.kernel.program.laws.setting import Setting
 from reference.kernel.program.nodes import Nodes
 from reference.kernel.program.plane import geometry as plane_geometry
-from reference.kernel.program.plane import sliding as plane_sliding
+from reference.kernel.program.plane import rotation as plane_rotation
 from reference.kernel.program.plane.contacts import PlaneContacts
 from reference.kernel.program.plane.nodes import PlaneNodes
 from reference.kernel.program.program import Program
 from reference.kernel.program.space import geometry as space_geometry
-from reference.kernel.program.space import sliding as space_sliding
+from reference.kernel.program.space import rotation as space_rotation
 from reference.kernel.program.space.contacts import SpaceContacts
 from reference.kernel.program.space.nodes import SpaceNodes
 from reference.kernel.program.walls import MovingWalls
 
+EFFECTS = {"sliding": "sliding friction", "rolling": "rolling resistance", "torsion": "torsion resistance"}
+
 
 @dataclass(frozen=True, kw_only=True)
 class Dimension:
-    """What two and three dimensions do differently: arrays, geometry, and the laws that have a direction."""
+    """What two and three dimensions do differently: arrays, geometry, rotation."""
 
     nodes: type[Nodes]
     contacts: type[Contacts]
     geometry: ModuleType
-    sliding: dict[type, Callable]
+    rotation: ModuleType
 
 
 DIMENSIONS = {
-    2: Dimension(nodes=PlaneNodes, contacts=PlaneContacts, geometry=plane_geometry,
-                 sliding={SpringSliding: plane_sliding.spring_sliding}),
-    3: Dimension(nodes=SpaceNodes, contacts=SpaceContacts, geometry=space_geometry,
-                 sliding={SpringSliding: space_sliding.spring_sliding}),
+    2: Dimension(nodes=PlaneNodes, contacts=PlaneContacts, geometry=plane_geometry, rotation=plane_rotation),
+    3: Dimension(nodes=SpaceNodes, contacts=SpaceContacts, geometry=space_geometry, rotation=space_rotation),
 }
-
-NORMAL_LAWS: dict[type, Callable] = {LinearNormal: linear}
 
 
 def can_compose(model: Model) -> bool:
     """Return whether every effect of the model has operations; else the textbook evaluation runs."""
-    if type(model.normal) not in NORMAL_LAWS or model.rolling or model.torsion:
-        return False
-    sliding, known = model.sliding, DIMENSIONS[model.dimension].sliding
-    return sliding is None or (type(sliding) in known and getattr(sliding, "dynamic_friction", None) is None)
-
-
-def history_of(model: Model) -> dict[str, int]:
-    """Return how many rows the laws remember, by family: a tension has a direction in 3D only."""
-    return {} if model.sliding is None else {"sliding": 1 if model.dimension == 2 else 3}
+    return model.convention.scheme == "leapfrog" and has_operations(model)
 
 
 def spin_unit(model: Model, radius: np.ndarray) -> np.ndarray | None:
-    """What the nodes' spin variable is omega times of: R where slip is taken at R, else 1; None without friction."""
-    if model.sliding is None:
+    """What the nodes' spin variable is omega times of: R where slip is taken at R, else 1; None if nothing turns.
+
+    A law that asks whether two spins are equal must see them as they are.
+    """
+    if not model.turns and not model.rotations:
         return None
-    return radius if _slips_at_radius(model) else np.ones_like(radius)
+    return radius if _carries_radius(model) else np.ones_like(radius)
 
 
-def remember_normals(model: Model, nodes: Nodes, c: Contacts) -> None:
-    """Compute the normals of now and let the contacts keep them."""
+def find_normals(model: Model, nodes: Nodes, c: Contacts) -> None:
+    """Compute the overlaps and normals of now."""
     p = Program()
-    DIMENSIONS[model.dimension].geometry.overlaps_and_normals(p, model, nodes, c)
+    DIMENSIONS[model.dimension].geometry.overlaps_and_normals(p, model, nodes, c, masked=False)
     p.run()
-    c.remember_normals()
 
 
 def one_step(model: Model, nodes: Nodes, walls: MovingWalls, c: Contacts) -> Program:
-    """Kick, drift, walls, forces: the program of a step for this list of pairs."""
+    """Kick, drift, walls, forces: the program of a step for this list of pairs, whose normals are those of now."""
     p = Program()
     _kick(p, nodes)
     _drift(p, nodes)
@@ -102,60 +93,129 @@ def one_step(model: Model, nodes: Nodes, walls: MovingWalls, c: Contacts) -> Pro
 
 
 def _contact_forces(p: Program, model: Model, nodes: Nodes, c: Contacts) -> None:
-    dimension, sliding, arms = DIMENSIONS[model.dimension], model.sliding, None
-    geometry = dimension.geometry
-    geometry.overlaps_and_normals(p, model, nodes, c)
-    if sliding is not None or _is_damped(model.normal):
+    dimension = DIMENSIONS[model.dimension]
+    geometry, rotation = dimension.geometry, dimension.rotation
+    normal = NORMAL[type(model.normal)](model.normal, c, keep_elastic=_any(model, "takes_elastic_force"))
+    masked = normal.damped or normal.reads_touching or model.turns
+    geometry.overlaps_and_normals(p, model, nodes, c, masked=masked)
+    if normal.damped or model.sliding is not None:
         geometry.relative_velocities(p, nodes, c)
-        if sliding is not None:
-            arms = _slip(p, model, nodes, c)
-        geometry.still_where_apart(p, c)
-    p.effect("normal contact")
-    NORMAL_LAWS[type(model.normal)](p, model.normal, c)
-    if sliding is None:
+    if not model.turns:
+        normal.force(p)
         geometry.sum_normal_forces(p, nodes, c)
         return
-    dimension.sliding[type(sliding)](p, sliding, c, model)
-    geometry.sum_forces(p, nodes, c)
-    geometry.sum_torques(p, nodes, c, arms)
-
-
-def _is_damped(normal: NormalLaw) -> bool:
-    return bool(getattr(normal, "normal_damping", 0.0))
-
-
-def _slip(p: Program, model: Model, nodes: Nodes, c: Contacts) -> LeverArms:
-    """Make v_t the slip velocity; return the arms of the torque."""
-    k = model.convention
+    arms = _spins(p, model, nodes, c, rotation)
+    normal.force(p)
+    _tangential_forces(p, model, c, normal, rotation)
+    sum_forces = geometry.sum_normal_forces if model.sliding is None else geometry.sum_forces
+    sum_forces(p, nodes, c)
     p.effect("rotation")
-    torque = LeverArms(p, c, pairs=k.torque_arm, walls=k.wall_torque_arm)
-    slip = None
-    if not _slips_at_radius(model):
-        same = (k.slip_arm, k.wall_slip_arm) == (k.torque_arm, k.wall_torque_arm)
-        slip = torque if same else LeverArms(p, c, pairs=k.slip_arm, walls=k.wall_slip_arm)
-    DIMENSIONS[model.dimension].geometry.slip_velocities(p, nodes, c, slip)
-    return torque
+    rotation.sum_torques(p, nodes, c, arms, couple=_has_couples(model))
 
 
-def _slips_at_radius(model: Model) -> bool:
-    return (model.convention.slip_arm, model.convention.wall_slip_arm) == ("radius", "radius")
+def _spins(p: Program, model: Model, nodes: Nodes, c: Contacts, rotation: ModuleType) -> np.ndarray | None:
+    """Compute slip and relative rolling as far as laws need them; return the arms of the torque, if there is one."""
+    slips, torque_arms, slip_arms, factors = model.sliding is not None, None, None, None
+    p.effect("rotation")
+    if slips:
+        torque_arms, slip_arms = _arms(p, model, c)
+    if _has_couples(model):
+        factors = _reduced_radius_per_spin_unit(nodes, c)
+    rotation.slip_and_rolling(p, nodes, c, slips=slips, arms=slip_arms, factors=factors)
+    if _has_couples(model) and model.convention.wall_spin == "raised":
+        _raise_wall_spins(p, c)
+    return torque_arms
+
+
+def _arms(p: Program, model: Model, c: Contacts) -> tuple[np.ndarray, np.ndarray | None]:
+    """Return the arms of torque and of slip, (2, P) each; None for slip if the nodes carry R omega."""
+    k = model.convention
+    torque_arms = lever_arms(p, c, pairs=k.torque_arm, walls=k.wall_torque_arm)
+    if _carries_radius(model):
+        return torque_arms, None
+    if (k.slip_arm, k.wall_slip_arm) == (k.torque_arm, k.wall_torque_arm):
+        return torque_arms, torque_arms
+    return torque_arms, lever_arms(p, c, pairs=k.slip_arm, walls=k.wall_slip_arm)
+
+
+def _carries_radius(model: Model) -> bool:
+    """Whether the nodes carry R omega."""
+    slips_at_radius = (model.convention.slip_arm, model.convention.wall_slip_arm) == ("radius", "radius")
+    return model.sliding is not None and slips_at_radius and not _any(model, "compares_spins")
+
+
+def _any(model: Model, trait: str) -> bool:
+    """Whether any of the model's tangential laws has a trait of `Tangential`."""
+    return any(getattr(operations, trait) for _, operations in tangential_laws(model).values())
+
+
+def _has_couples(model: Model) -> bool:
+    return model.rolling is not None or model.torsion is not None
+
+
+def _reduced_radius_per_spin_unit(nodes: Nodes, c: Contacts) -> np.ndarray:
+    """Return a* over the spin units of i and j, (2, P), 0 at walls without friction; walls do not turn."""
+    units = np.stack([nodes.spin_unit[c.i], nodes.spin_unit[c.j]])
+    return lined_up(c.rough * c.reduced_radius / np.where(units > 0, units, 1.0))
+
+
+def _raise_wall_spins(p: Program, c: Contacts) -> None:
+    """rolling *= (R - overlap/2)/(R - overlap) at walls: how fast a particle is taken to roll there."""
+    walls = slice(c.particle_pairs.stop, c.smooth_pairs.start)
+    overlap, radius, rolling = c.overlap[walls], c.radius[0, walls], c.rolling[..., walls]
+    lower, half = c.a[walls], c.b[walls]
+    if not len(radius):
+        return
+    p.effect("relative rotation")
+    p(np.subtract, radius, overlap, out=lower)
+    p(np.multiply, overlap, 0.5, out=half)
+    p(np.subtract, radius, half, out=half)
+    p(np.divide, half, lower, out=half)
+    p(np.multiply, rolling, half, out=rolling)
+
+
+def _tangential_forces(
+    p: Program, model: Model, c: Contacts, normal: NormalOperations, rotation: ModuleType
+) -> None:
+    """shear and couple, law by law, all limited by coefficients times the same base."""
+    if _any(model, "limited"):
+        _find_base(p, model, c, normal)
+    if model.sliding is not None:
+        c.shear = c.tangents.new()
+    if _has_couples(model):
+        c.couple = c.tangents.new()
+    setting = Setting(p=p, c=c, model=model, normal=normal, rotation=rotation)
+    for family, (law, operations) in tangential_laws(model).items():
+        p.effect(EFFECTS[family])
+        operations.act(law, setting)
+
+
+def _find_base(p: Program, model: Model, c: Contacts, normal: NormalOperations) -> None:
+    """base = |f| or max(f, 0), f the normal force counted from where an adhesive contact pulls most."""
+    c.base = empty(c.count)
+    gripping = normal.gripping(p, c.f_n, c.base)
+    p.effect("limit")
+    if model.convention.limit == "absolute":
+        p(np.abs, gripping, out=c.base)
+    else:
+        p(np.maximum, gripping, 0.0, out=c.base)
 
 
 def _kick(p: Program, nodes: Nodes) -> None:
     p.effect("motion")
-    work = np.empty_like(nodes.velocity_vector)
+    work = empty(len(nodes.velocity_vector))
     p(np.multiply, nodes.force_vector, nodes.kick_factor, out=work)
     p(np.add, nodes.velocity_vector, work, out=nodes.velocity_vector)
 
 
 def _drift(p: Program, nodes: Nodes) -> None:
     places = nodes.place_vector
-    work = np.empty_like(places)
+    work = empty(len(places))
     p(np.multiply, nodes.velocity_vector[: len(places)], nodes.drift_factor, out=work)
     p(np.add, places, work, out=places)
     if nodes.turned is not None:
         p.effect("rotation")
-        angle = np.empty_like(nodes.turned)
+        angle = empty(len(nodes.turned))
         p(np.multiply, nodes.s, nodes.turn_factor, out=angle)
         p(np.add, nodes.turned, angle, out=nodes.turned)
 
@@ -172,6 +232,6 @@ def _start_from_weights(p: Program, nodes: Nodes) -> None:
 def _drag(p: Program, model: Model, nodes: Nodes) -> None:
     p.effect("background drag")
     force = nodes.force_vector[: len(nodes.place_vector)]
-    factor, work = nodes.drift_factor * (model.drag / model.dt), np.empty_like(force)
+    factor, work = nodes.drift_factor * (model.drag / model.dt), empty(len(force))
     p(np.multiply, nodes.velocity_vector[: len(force)], factor, out=work)
     p(np.subtract, force, work, out=force)

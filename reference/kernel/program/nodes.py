@@ -14,6 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from reference.kernel.model import Model
+from reference.kernel.program.buffers import filled
 from reference.kernel.state import State
 
 
@@ -32,7 +33,7 @@ class Nodes:
         self.model = model
         self.count = state.x.shape[1]
         self.spin_unit = spin_unit
-        self.turned = np.zeros(self.count) if model.rotations else None
+        self.turned = filled(0.0, self.count) if model.rotations else None
         self.turn_factor = None if spin_unit is None else model.dt / np.where(spin_unit > 0, spin_unit, 1.0)
 
     def places(self) -> np.ndarray:

@@ -14,8 +14,9 @@ import numpy as np
 
 from reference.kernel.interactions import Forces, Interaction
 from reference.kernel.model import Model
-from reference.kernel.program.compose import DIMENSIONS, can_compose, history_of, one_step, remember_normals, spin_unit
+from reference.kernel.program.compose import DIMENSIONS, can_compose, find_normals, one_step, spin_unit
 from reference.kernel.program.contacts import Contacts
+from reference.kernel.program.memory import memories
 from reference.kernel.program.nodes import Nodes
 from reference.kernel.program.walls import MovingWalls
 from reference.kernel.simulation import KernelUnstable, Simulation
@@ -42,6 +43,7 @@ class ProgramSimulation:
         self.rebuilds = 0
         state = self._textbook.state
         self._dimension = DIMENSIONS[model.dimension]
+        self._memories = memories(model)
         self.nodes: Nodes = self._dimension.nodes(model, state, spin_unit=spin_unit(model, state.radius))
         self.walls = MovingWalls(model, self.nodes, state)
         self.walls.start()
@@ -92,7 +94,12 @@ class ProgramSimulation:
     # --- the guarded interval ------------------------------------------------------------------
 
     def _advance_checked(self, steps: int) -> None:
-        """Make a few steps, and make them again from a new list if a contact could have been missed."""
+        """Make a few steps, and make them again from a new list if a contact could have been missed.
+
+        A list that may not last is renewed before the next steps and not at once: its contacts hold the last forces.
+        """
+        if self._renewal_is_due:
+            self._renew(self.skin)
         before, kept, end = self._moved, self._snapshot(), self.walls.step + steps
         skin = self.skin
         while True:
@@ -107,20 +114,23 @@ class ProgramSimulation:
             before = 0.0
         self._moved = moved
         self._refuse_passed_walls()
-        if 2.0 * (moved + MARGIN * (moved - before)) >= self._list_skin:
-            self._renew(self.skin)
+        self._renewal_is_due = 2.0 * (moved + MARGIN * (moved - before)) >= self._list_skin
 
     def _renew(self, skin: float) -> None:
         """Find the pairs anew and compose the program for them."""
         if not np.isfinite(self.nodes.place_vector).all():
             raise KernelUnstable(f"step {self.walls.step}: a position is no longer a finite number")
         old, state = self._pairs, self._textbook.state
-        self._pairs = self._dimension.contacts(self.model, self.nodes.places(), state, skin, history_of(self.model))
-        if old is not None:
+        rows = {family: memory.rows for family, memory in self._memories.items()}
+        self._pairs = self._dimension.contacts(self.model, self.nodes.places(), state, skin, rows)
+        find_normals(self.model, self.nodes, self._pairs)
+        if old is None:
+            self._take_memories()
+        else:
             self._pairs.inherit(old, self.nodes.count)
-        remember_normals(self.model, self.nodes, self._pairs)
         self._program = one_step(self.model, self.nodes, self.walls, self._pairs)
         self._built_at, self._list_skin, self._moved = self.nodes.places(), skin, 0.0
+        self._renewal_is_due = False
         self.rebuilds += 1
 
     def _largest_move(self) -> float:
@@ -170,20 +180,39 @@ class ProgramSimulation:
         for interaction in self._textbook.interactions:
             rows = self._hand_pairs_to(interaction)
             forces = interaction.evaluate(state, *half, self.model.dt, advance=False)
-            interaction.last = replace(forces, force=self._pairs.force_on_i(rows[forces.touching]))
+            interaction.last = self._as_they_acted(interaction, forces, rows[forces.touching])
         self._in_step = True
 
+    def _as_they_acted(self, interaction: Interaction, forces: Forces, rows: np.ndarray) -> Forces:
+        """Return the forces and memories of the last step in the place of those evaluated now for the pairs `rows`."""
+        c = self._pairs
+        couple = None if forces.couple is None else -np.atleast_2d(c.couple[..., rows])
+        memory = dict.fromkeys(forces.memory) | interaction.pairs.recall(forces.touching)
+        return replace(forces, force=c.force_on_i(rows), f_n=c.f_n[rows], couple=couple, memory=memory)
+
     def _hand_pairs_to(self, interaction: Interaction) -> np.ndarray:
-        """Give an interaction its pairs and their memory; return which of the program's they are, in its order."""
+        """Give an interaction its pairs and their memories; return which of the program's they are, in its order."""
+        c, rows = self._pairs, self._rows_of(interaction)
+        interaction.pairs.replace(c.i[rows], c.j[rows])
+        for family in interaction.pairs.memory:
+            history = c.history[family][:, rows]
+            interaction.pairs.memory[family] = self._memories[family].to_textbook(c, rows, history)
+        return rows
+
+    def _take_memories(self) -> None:
+        """Start from what the textbook remembers after its set-up, which found the same pairs."""
+        c = self._pairs
+        for interaction in self._textbook.interactions:
+            rows = self._rows_of(interaction)
+            for family, remembered in interaction.pairs.memory.items():
+                c.history[family][:, rows] = self._memories[family].from_textbook(c, rows, remembered)
+
+    def _rows_of(self, interaction: Interaction) -> np.ndarray:
+        """Which of the program's pairs an interaction has, in the order of its keys."""
         c, n = self._pairs, self.model.particle_count
         mine = c.j < n if interaction.walls is None else np.isin(c.j - n, interaction.walls)
         rows = np.flatnonzero(mine)
-        rows = rows[np.argsort(c.keys(self.nodes.count)[rows])]
-        interaction.pairs.replace(c.i[rows], c.j[rows])
-        if interaction.sliding is not None:
-            elongation = c.history["sliding"][:, rows] / self.model.sliding.shear_stiffness
-            interaction.pairs.memory["sliding"] = c.spring(rows, elongation)
-        return rows
+        return rows[np.argsort(c.keys(self.nodes.count)[rows])]
 
 
 def fastest(model: Model) -> Simulation | ProgramSimulation:

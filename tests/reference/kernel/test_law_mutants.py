@@ -224,10 +224,10 @@ INTERACTION = interactions.Interaction
 
 def uncut(s, c, advance):
     force, _, slides = TALK(s, c, advance)
-    return force, c.xi + c.dt * c.rate, slides
+    return force, c.xi + c.stretch, slides
 
 
-def one_coefficient(self, memory, rate, base, n, dt, *, advance):
+def one_coefficient(self, memory, rate, base, n, dt, *, advance, mean_rate=None):
     return MOVE(dataclasses.replace(self, dynamic_friction=self.friction), memory, rate, base, n, dt, advance=advance)
 
 

@@ -194,13 +194,13 @@ LOADED, KICK = simulation.Simulation._loaded_force, simulation.Simulation._kick
 ALGORITHMS, LINEAR, INTERACTION = slider._ALGORITHMS, linear.LinearNormal, interactions.Interaction
 
 
-def frictionless(self, memory, rate, base, n, dt, *, advance):
+def frictionless(self, memory, rate, base, n, dt, *, advance, mean_rate=None):
     return np.zeros_like(rate), memory
 
 
 def uncut(s, c, advance):
     force, _, slides = TALK(s, c, advance)
-    return force, c.xi + c.dt * c.rate, slides
+    return force, c.xi + c.stretch, slides
 
 
 def spring_after_sliding_lost(s, c, advance):
@@ -209,7 +209,7 @@ def spring_after_sliding_lost(s, c, advance):
 
 
 def unlimited(s, c, advance):
-    return -s.stiffness * c.xi - s.damping * c.rate, c.xi + c.dt * c.rate, c.rate[0] > np.inf
+    return -s.stiffness * c.xi - s.damping * c.rate, c.xi + c.stretch, c.rate[0] > np.inf
 
 
 def damping_that_drives(self, contact, memory):

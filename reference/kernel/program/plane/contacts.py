@@ -4,26 +4,34 @@ from __future__ import annotations
 
 import numpy as np
 
+from reference.kernel.program.buffers import empty, filled
 from reference.kernel.program.contacts import Contacts
+from reference.kernel.program.plane.tangents import Tangents
 
 
 class PlaneContacts(Contacts):
-    """u: (P,) v_n + i v_t. g: (P,) f_n + i f_t. normal: (P,) conj(n). z: work, and at the end conj(force on i)."""
+    """normal: (P,) conj(n). z: (P,) complex, work, and at the end conj(force on i). inverse: (P,) 1/|d| + 0i.
+
+    u: (P,) v_n + i v_t of the centres, and at the end the force on i in the frame of the contact.
+    """
 
     def __init__(self, *args):
         super().__init__(*args)
-        self.u, self.g, self.normal, self.z = (np.empty(self.count, complex) for _ in range(4))
-        self.v_n, self.v_t = self.u.real, self.u.imag
+        self.normal, self.z, self.u = (empty(self.count, dtype=complex) for _ in range(3))
+        self.inverse = filled(0.0, self.count, dtype=complex)
+        self.v_n = self.u.real
+        self.tangents = Tangents(self.normal, self.b)
 
     def force_on_i(self, rows: np.ndarray) -> np.ndarray:
-        """Force on i in the last step, (2, M)."""
+        """Return the force on i in the last step, (2, M)."""
         return np.stack([self.z[rows].real, -self.z[rows].imag])
 
     def spring(self, rows: np.ndarray, tension: np.ndarray) -> np.ndarray:
-        """Vectors, (2, M), along t = i n of sizes (1, M)."""
+        """Return vectors, (2, M), along t = i n of signed sizes (1, M)."""
         n = self.normal[rows]
         return tension * np.stack([n.imag, n.real])
 
-    def remember_normals(self) -> None:
-        """Keep the normals of now for laws that ask how far a contact has turned since the last step."""
-        self.normal_before = self.normal.copy()
+    def tension(self, rows: np.ndarray, spring: np.ndarray) -> np.ndarray:
+        """Return signed sizes along t, (1, M), of vectors (2, M)."""
+        n = self.normal[rows]
+        return (spring[0] * n.imag + spring[1] * n.real)[None]

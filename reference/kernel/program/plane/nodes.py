@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from reference.kernel.model import Model
+from reference.kernel.program.buffers import empty, filled, lined_up
 from reference.kernel.program.nodes import Nodes
 from reference.kernel.state import State
 
@@ -22,15 +23,15 @@ class PlaneNodes(Nodes):
     def __init__(self, model: Model, state: State, *, spin_unit: np.ndarray | None):
         super().__init__(model, state, spin_unit=spin_unit)
         n = self.count
-        self.q = np.empty(n, complex)
+        self.q = empty(n, dtype=complex)
         self.place_vector = self.q.view(float)
-        self.velocity_vector = np.zeros(2 * n if spin_unit is None else 3 * n)
-        self.force_vector = np.zeros_like(self.velocity_vector)
+        self.velocity_vector = filled(0.0, 2 * n if spin_unit is None else 3 * n)
+        self.force_vector = lined_up(self.velocity_vector)
         self.c, self.f = self.velocity_vector[: 2 * n].view(complex), self.force_vector[: 2 * n].view(complex)
         self.s = None if spin_unit is None else self.velocity_vector[2 * n :]
         self.m = None if spin_unit is None else self.force_vector[2 * n :]
-        self.drift_factor = model.dt * self._signs()
-        self.kick_factor = self._kick_factor()
+        self.drift_factor = lined_up(model.dt * self._signs())
+        self.kick_factor = lined_up(self._kick_factor())
         self.rest_force = self._rest_force()
         self.set(state)
 
@@ -41,7 +42,7 @@ class PlaneNodes(Nodes):
         self.f.real, self.f.imag = state.force[0], -state.force[1]
         if self.s is not None:
             self.s[:] = state.spin[0] * self.spin_unit
-            self.m[:] = state.torque[0]
+            self.m[:] = 0.0 if state.torque is None else state.torque[0]
 
     def write(self, state: State) -> None:
         """Write positions, full-step velocities, spins and forces into a state."""
@@ -52,6 +53,7 @@ class PlaneNodes(Nodes):
         state.force[0], state.force[1] = self.f.real, -self.f.imag
         if self.s is not None:
             state.spin[0, :n] = full[2 * self.count :][:n] / self.spin_unit[:n]
+        if state.torque is not None:
             state.torque[0] = self.m
         if self.turned is not None:
             state.turned[:] = self.turned[:n]

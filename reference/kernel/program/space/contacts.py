@@ -4,25 +4,30 @@ from __future__ import annotations
 
 import numpy as np
 
+from reference.kernel.program.buffers import empty
 from reference.kernel.program.contacts import Contacts
+from reference.kernel.program.space.vectors import Vectors
 
 
 class SpaceContacts(Contacts):
-    """normal: (3, P). v_n: (P,). v_t: (3, P), velocity, then slip. g: (3, P) force on i. z: (3, P) work."""
+    """normal, z: (3, P). u: (3, P) velocity of the centres, and at the end the force on i. z is free for work."""
 
     def __init__(self, *args):
         super().__init__(*args)
-        self.normal, self.v_t, self.g, self.z = (np.empty((3, self.count)) for _ in range(4))
-        self.v_n = np.empty(self.count)
+        self.normal, self.u, self.z = (empty(3, self.count) for _ in range(3))
+        self.v_n = empty(self.count)
+        self.tangents = Vectors(self.normal, self.z)
 
     def force_on_i(self, rows: np.ndarray) -> np.ndarray:
-        """Force on i in the last step, (3, M)."""
-        return self.g[:, rows]
+        """Return the force on i in the last step, (3, M)."""
+        return self.u[:, rows]
 
     def spring(self, rows: np.ndarray, tension: np.ndarray) -> np.ndarray:
-        """Tensions are vectors already, (3, M)."""
+        """Return tensions as they are: vectors, (3, M)."""
         del rows
         return tension
 
-    def remember_normals(self) -> None:
-        """A tension that is a vector needs no normal of before."""
+    def tension(self, rows: np.ndarray, spring: np.ndarray) -> np.ndarray:
+        """Return springs as they are: vectors, (3, M)."""
+        del rows
+        return spring

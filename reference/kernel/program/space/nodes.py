@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from reference.kernel.model import Model
+from reference.kernel.program.buffers import filled, lined_up
 from reference.kernel.program.nodes import Nodes
 from reference.kernel.state import State
 
@@ -15,16 +16,16 @@ class SpaceNodes(Nodes):
     def __init__(self, model: Model, state: State, *, spin_unit: np.ndarray | None):
         super().__init__(model, state, spin_unit=spin_unit)
         n = self.count
-        self.x = np.empty((3, n))
-        self.place_vector = self.x.reshape(-1)
-        self.velocity_vector = np.zeros(3 * n if spin_unit is None else 6 * n)
-        self.force_vector = np.zeros_like(self.velocity_vector)
+        self.place_vector = filled(0.0, 3 * n)
+        self.x = self.place_vector.reshape(3, n)
+        self.velocity_vector = filled(0.0, 3 * n if spin_unit is None else 6 * n)
+        self.force_vector = lined_up(self.velocity_vector)
         self.c, self.f = (a[: 3 * n].reshape(3, n) for a in (self.velocity_vector, self.force_vector))
         turning = (None, None) if spin_unit is None else (
             a[3 * n :].reshape(3, n) for a in (self.velocity_vector, self.force_vector))
         self.s, self.m = turning
-        self.drift_factor = np.tile(self._of_particles(np.full(model.particle_count, model.dt)), 3)
-        self.kick_factor = self._kick_factor()
+        self.drift_factor = lined_up(np.tile(self._of_particles(np.full(model.particle_count, model.dt)), 3))
+        self.kick_factor = lined_up(self._kick_factor())
         self.rest_force = self._rest_force()
         self.set(state)
 
@@ -33,7 +34,7 @@ class SpaceNodes(Nodes):
         self.x[:], self.c[:], self.f[:] = state.x, state.v, state.force
         if self.s is not None:
             self.s[:] = state.spin * self.spin_unit
-            self.m[:] = state.torque
+            self.m[:] = 0.0 if state.torque is None else state.torque
 
     def write(self, state: State) -> None:
         """Write positions, full-step velocities, spins and forces into a state."""
@@ -41,6 +42,7 @@ class SpaceNodes(Nodes):
         state.x[:], state.v[:], state.force[:] = self.x, full[0], self.f
         if self.s is not None:
             state.spin[:, :n] = full[1][:, :n] / self.spin_unit[:n]
+        if state.torque is not None:
             state.torque[:] = self.m
 
     def places(self) -> np.ndarray:

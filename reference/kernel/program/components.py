@@ -1,0 +1,65 @@
+"""What springs have as components: one signed number, or a vector in the tangent plane.
+
+`slider` is written in these operations, so that sticking and sliding are the same in 2D, in 3D and about the normal.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+from reference.kernel.program.buffers import empty
+from reference.kernel.program.program import Program
+
+TINY = 1e-200
+"""Keeps quotients of zeros finite; no force of interest is as small."""
+
+
+class Components(Protocol):
+    """Amounts v of P contacts, (P,) or (3, P), and a slider's operations on them. work: a buffer of their shape."""
+
+    work: np.ndarray
+
+    def new(self) -> np.ndarray:
+        """Return a buffer of the amounts' shape."""
+
+    def size(self, p: Program, v: np.ndarray, out: np.ndarray) -> None:
+        """out = |v|, (P,)."""
+
+    def cut(self, p: Program, v: np.ndarray, limit: np.ndarray, out: np.ndarray, stuck: np.ndarray | None) -> None:
+        """out = v, of size `limit` where it is longer; stuck = 1 where it is not, else 0. `limit` is used up."""
+
+    def turn(self, p: Program, v: np.ndarray, *, keep_length: bool, above: tuple[np.ndarray, float] | None) -> None:
+        """Turn v at right angles to the normal of now.
+
+        keep_length: lengthen again what has become shorter. above: a limit, (P,), and a fraction of it; what has no
+        more than that along the normal stays as it is.
+        """
+
+
+class Numbers:
+    """One signed number a contact, on which turning leaves no mark: what acts about the normal, or about z in 2D."""
+
+    def __init__(self, work: np.ndarray):
+        self.work = work
+
+    def new(self) -> np.ndarray:
+        """Return a (P,) buffer."""
+        return empty(len(self.work))
+
+    def size(self, p: Program, v: np.ndarray, out: np.ndarray) -> None:
+        """out = |v|."""
+        p(np.abs, v, out=out)
+
+    def cut(self, p: Program, v: np.ndarray, limit: np.ndarray, out: np.ndarray, stuck: np.ndarray | None) -> None:
+        """out = v between -limit and limit; with `stuck`, v and out are two buffers."""
+        p(np.minimum, v, limit, out=out)
+        p(np.negative, limit, out=limit)
+        p(np.maximum, out, limit, out=out)
+        if stuck is not None:
+            p(np.equal, v, out, out=stuck)
+
+    def turn(self, p: Program, v: np.ndarray, *, keep_length: bool, above: tuple[np.ndarray, float] | None) -> None:
+        """Nothing to do."""
+        del p, v, keep_length, above

@@ -1,0 +1,60 @@
+"""What contacts remember, as the program keeps it and as the textbook does.
+
+The program keeps tensions where the textbook keeps elongations, and in 2D one signed number along t = i n for a vector
+in the tangent plane.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from reference.kernel.model import Model
+from reference.kernel.program.contacts import Contacts
+from reference.kernel.program.laws.registry import tangential_laws
+
+
+@dataclass(frozen=True, kw_only=True)
+class Memory:
+    """One law's. rows, textbook_rows: how many numbers a contact has here and there; a state may follow the spring.
+
+    spring_rows: how many of textbook_rows are the spring. unit: history is that many times the spring. vectors:
+    whether springs are vectors, in 2D therefore in the tangent plane.
+    """
+
+    rows: int
+    textbook_rows: int
+    spring_rows: int
+    unit: float
+    vectors: bool
+
+    def to_textbook(self, c: Contacts, rows: np.ndarray, history: np.ndarray) -> np.ndarray:
+        """Return (textbook_rows, M) of the pairs `rows`, from their history (rows, M)."""
+        state = self.textbook_rows - self.spring_rows
+        springs = history[: self.rows - state] / self.unit
+        if self.vectors:
+            springs = c.spring(rows, springs)
+        return np.vstack([springs, history[self.rows - state :]])
+
+    def from_textbook(self, c: Contacts, rows: np.ndarray, remembered: np.ndarray) -> np.ndarray:
+        """Return the history, (rows, M), of the pairs `rows` from what the textbook remembers."""
+        springs = remembered[: self.spring_rows] * self.unit
+        if self.vectors:
+            springs = c.tension(rows, springs)
+        return np.vstack([springs, remembered[self.spring_rows :]])
+
+
+def memories(model: Model) -> dict[str, Memory]:
+    """Return the memory of every law that has one, by family."""
+    dim = model.dimension
+    made = {"normal": _memory(model.normal.memory_rows(dim), dim, unit=1.0, vectors=False)}
+    for family, (law, operations) in tangential_laws(model).items():
+        rows = law.memory_rows(dim)
+        made[family] = _memory(rows, dim, unit=operations.unit(law), vectors=rows >= dim)
+    return {family: memory for family, memory in made.items() if memory.rows}
+
+
+def _memory(rows: int, dim: int, *, unit: float, vectors: bool) -> Memory:
+    return Memory(rows=rows - 1 if vectors and dim == 2 else rows, textbook_rows=rows,
+                  spring_rows=dim if vectors else rows, unit=unit, vectors=vectors)
