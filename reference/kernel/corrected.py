@@ -103,14 +103,9 @@ class CorrectedSimulation(Simulation):
             n = contact.n[:, known]
             mean[:, known] += 0.5 * (slip - dot(slip, n) * n)
         new = ~known
-        mean[:, new] = self._share(interaction, contact.i[new], contact.j[new], contact.overlap[new], old.x) * (
-            contact.v_t[:, new])
+        gap = self._overlap_at(interaction, contact.i[new], contact.j[new], old.x)
+        mean[:, new] = share_in_contact(contact.overlap[new], gap) * contact.v_t[:, new]
         return replace(contact, mean_v_t=mean)
-
-    def _share(self, interaction: Interaction, i, j, overlap, x_other) -> np.ndarray:
-        """Return theta, (K,), of contacts with an overlap at one end of the step and a gap at the other, `x_other`."""
-        gap = self._overlap_at(interaction, i, j, x_other)
-        return np.clip(overlap / (overlap - gap), 0.0, 1.0)
 
     def _overlap_at(self, interaction: Interaction, i, j, x) -> np.ndarray:
         s = self.state
@@ -150,19 +145,13 @@ class CorrectedSimulation(Simulation):
             return
         c, dt = forces.contact, self.model.dt
         i, j, n = c.i[which], c.j[which], c.n[:, which]
-        theta = self._share(interaction, i, j, c.overlap[which], x_other)
-        p, q = interaction.normal.onset
-        elastic, total = forces.elastic[which], forces.f_n[which]
-        along = missed(p, theta) * elastic + missed(q, theta) * (total - elastic)
+        theta = share_in_contact(c.overlap[which], self._overlap_at(interaction, i, j, x_other))
+        total = forces.f_n[which]
         f_t = forces.force[:, which] - total * n
-        across = np.where(self._slides(f_t, total), _ratio(along, total), missed(0.0, theta)) * f_t
+        along, across = missed_force(self.model, theta, f_n=total, elastic=forces.elastic[which], f_t=f_t)
         self._give(i, j, dt * (along * n + across))
         if c.v_t is not None:
             self._turn(c, which, dt * torque_cross(n, across))
-
-    def _slides(self, f_t: np.ndarray, f_n: np.ndarray) -> np.ndarray:
-        friction = getattr(self.model.sliding, "shear_friction", 0.0)
-        return norm(f_t) >= (1.0 - 1e-9) * friction * np.maximum(f_n, 0.0)
 
     def _give(self, i: np.ndarray, j: np.ndarray, impulse: np.ndarray) -> None:
         """Add impulses (dim, K) to the nodes i and take them from the nodes j; of walls, loaded ones feel them."""
@@ -182,6 +171,22 @@ class CorrectedSimulation(Simulation):
             body = node < n
             change = arm[body] * moment[:, body] * self._inverse_inertia[node[body]]
             np.subtract.at(s.spin.T, node[body], change.T)
+
+
+def share_in_contact(overlap: np.ndarray, negative_gap: np.ndarray) -> np.ndarray:
+    """Return theta, (K,), of contacts with an overlap at one end of the step and a gap at the other."""
+    return np.clip(overlap / (overlap - negative_gap), 0.0, 1.0)
+
+
+def missed_force(
+    model: Model, theta: np.ndarray, *, f_n: np.ndarray, elastic: np.ndarray, f_t: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return what the half kicks missed over dt, along the normal, (K,), and across it, (dim, K), in N."""
+    p, q = model.normal.onset
+    along = missed(p, theta) * elastic + missed(q, theta) * (f_n - elastic)
+    friction = getattr(model.sliding, "shear_friction", 0.0)
+    slides = norm(f_t) >= (1.0 - 1e-9) * friction * np.maximum(f_n, 0.0)
+    return along, np.where(slides, _ratio(along, f_n), missed(0.0, theta)) * f_t
 
 
 def missed(power: float, theta: np.ndarray) -> np.ndarray:

@@ -137,7 +137,7 @@ def test_effects_that_are_off_have_no_key():
 def test_the_deck_is_the_same_text_every_time():
     for kernel in KERNELS:
         assert kernel.render(everything()) == kernel.render(everything())
-    assert len({kernel.render(everything())["kernel.json"] for kernel in KERNELS}) == len(KERNELS) == 3
+    assert len({kernel.render(everything())["kernel.json"] for kernel in KERNELS}) == len(KERNELS) == 4
 
 
 # --- protocol --------------------------------------------------------------------------------------
@@ -162,7 +162,7 @@ def started(kernel, folder, system, time_limit=60.0):
 
 
 def test_names_probe_and_support():
-    assert [k.name for k in KERNELS] == ["kernel:lammps", "kernel:liggghts", "kernel:talk"]
+    assert [k.name for k in KERNELS] == ["kernel:lammps", "kernel:liggghts", "kernel:talk", "kernel:corrected"]
     for kernel in KERNELS:
         probe = kernel.probe()
         assert probe.available

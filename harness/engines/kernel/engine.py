@@ -1,7 +1,8 @@
 """Run the reference kernel as a child process, in a named convention.
 
 `kernel:lammps` and `kernel:liggghts` are the kernel doing what these codes do, `kernel:talk` follows
-the algorithm of the talks. They are three engines, because they compute three different things.
+the algorithm of the talks, `kernel:corrected` their laws in a second-order scheme. They are four engines, because they
+compute four different things.
 """
 
 from __future__ import annotations
@@ -106,7 +107,7 @@ class KernelEngine:
         return 40.0 + 60.0 * laws + (0.1 + 0.12 * laws) * len(system.particles)
 
 
-KERNELS = tuple(KernelEngine(convention=c) for c in ("lammps", "liggghts", "talk"))
+KERNELS = tuple(KernelEngine(convention=c) for c in ("lammps", "liggghts", "talk", "corrected"))
 
 
 @cache

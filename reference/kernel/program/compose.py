@@ -14,10 +14,13 @@ from types import ModuleType
 
 import numpy as np
 
+from reference.kernel.laws.hertz import HertzNormal
+from reference.kernel.laws.linear import LinearNormal
 from reference.kernel.model import Loaded, Model
 from reference.kernel.program.arms import lever_arms
 from reference.kernel.program.buffers import empty, lined_up
 from reference.kernel.program.contacts import Contacts
+from reference.kernel.program.corrected import Corrections
 from reference.kernel.program.laws.normal import NormalOperations
 from reference.kernel.program.laws.registry import NORMAL, has_operations, tangential_laws
 from reference.kernel.program.laws.setting import Setting
@@ -32,6 +35,9 @@ from reference.kernel.program.space import rotation as space_rotation
 from reference.kernel.program.space.contacts import SpaceContacts
 from reference.kernel.program.space.nodes import SpaceNodes
 from reference.kernel.program.walls import MovingWalls
+
+CORRECTED = {LinearNormal, HertzNormal}
+"""Normal laws whose elastic force is one of the overlap alone, as the corrections ask."""
 
 EFFECTS = {"sliding": "sliding friction", "rolling": "rolling resistance", "torsion": "torsion resistance"}
 
@@ -54,7 +60,9 @@ DIMENSIONS = {
 
 def can_compose(model: Model) -> bool:
     """Return whether every effect of the model has operations; else the textbook evaluation runs."""
-    return model.convention.scheme == "leapfrog" and has_operations(model)
+    if model.convention.scheme == "corrected" and (_has_couples(model) or type(model.normal) not in CORRECTED):
+        return False
+    return has_operations(model)
 
 
 def spin_unit(model: Model, radius: np.ndarray) -> np.ndarray | None:
@@ -77,34 +85,58 @@ def find_normals(model: Model, nodes: Nodes, c: Contacts) -> None:
 def one_step(model: Model, nodes: Nodes, walls: MovingWalls, c: Contacts) -> Program:
     """Kick, drift, walls, forces: the program of a step for this list of pairs, whose normals are those of now."""
     p = Program()
+    if model.convention.scheme == "corrected":
+        _corrected_step(p, model, nodes, walls, c)
+        return p
     _kick(p, nodes)
-    _drift(p, nodes)
-    if walls.moving:
-        p.effect("driven walls")
-        p.call("walls", walls.move)
-    _start_from_weights(p, nodes)
-    _contact_forces(p, model, nodes, c)
-    if model.drag is not None:
-        _drag(p, model, nodes)
+    _move(p, nodes, walls)
+    _forces(p, model, nodes, c)
     if any(isinstance(w.motion, Loaded) for w in model.walls):
         p.effect("loaded walls")
         p.call("walls", walls.kick)
     return p
 
 
-def _contact_forces(p: Program, model: Model, nodes: Nodes, c: Contacts) -> None:
+def _corrected_step(p: Program, model: Model, nodes: Nodes, walls: MovingWalls, c: Contacts) -> None:
+    scheme = Corrections(model, nodes, walls, c)
+    scheme.kick(p)
+    _move(p, nodes, walls)
+    scheme.predict(p)
+    _forces(p, model, nodes, c, scheme)
+    scheme.replace_kick(p)
+
+
+def _move(p: Program, nodes: Nodes, walls: MovingWalls) -> None:
+    _drift(p, nodes)
+    if walls.moving:
+        p.effect("driven walls")
+        p.call("walls", walls.move)
+
+
+def _forces(p: Program, model: Model, nodes: Nodes, c: Contacts, scheme: Corrections | None = None) -> None:
+    _start_from_weights(p, nodes)
+    _contact_forces(p, model, nodes, c, scheme)
+    if model.drag is not None:
+        _drag(p, model, nodes)
+
+
+def _contact_forces(p: Program, model: Model, nodes: Nodes, c: Contacts, scheme: Corrections | None) -> None:
     dimension = DIMENSIONS[model.dimension]
     geometry, rotation = dimension.geometry, dimension.rotation
     normal = NORMAL[type(model.normal)](model.normal, c, keep_elastic=_any(model, "takes_elastic_force"))
-    masked = normal.damped or normal.reads_touching or model.turns
+    masked = normal.damped or normal.reads_touching or model.turns or scheme is not None
     geometry.overlaps_and_normals(p, model, nodes, c, masked=masked)
     if normal.damped or model.sliding is not None:
         geometry.relative_velocities(p, nodes, c)
     if not model.turns:
+        if scheme is not None:
+            scheme.find_events(p)
         normal.force(p)
         geometry.sum_normal_forces(p, nodes, c)
         return
     arms = _spins(p, model, nodes, c, rotation)
+    if scheme is not None:
+        scheme.find_events(p)
     normal.force(p)
     _tangential_forces(p, model, c, normal, rotation)
     sum_forces = geometry.sum_normal_forces if model.sliding is None else geometry.sum_forces
@@ -180,7 +212,7 @@ def _tangential_forces(
     """shear and couple, law by law, all limited by coefficients times the same base."""
     if _any(model, "limited"):
         _find_base(p, model, c, normal)
-    if model.sliding is not None:
+    if model.sliding is not None and "shear" not in c.history:
         c.shear = c.tangents.new()
     if _has_couples(model):
         c.couple = c.tangents.new()

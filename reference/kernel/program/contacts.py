@@ -38,6 +38,8 @@ class Contacts:
     base: np.ndarray
     spins: np.ndarray
     v_t: np.ndarray
+    mean_v_t: np.ndarray | None = None
+    """Mean of v_t over the step, in schemes that know it."""
     rolling: np.ndarray
     shear: np.ndarray
     couple: np.ndarray

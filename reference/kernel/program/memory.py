@@ -1,7 +1,7 @@
 """What contacts remember, as the program keeps it and as the textbook does.
 
-The program keeps tensions where the textbook keeps elongations, and in 2D one signed number along t = i n for a vector
-in the tangent plane.
+The program keeps forces where the textbook keeps lengths, if a constant stiffness is all that is between them, and in
+2D one signed number along t = i n for a vector in the tangent plane.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 
 from reference.kernel.model import Model
 from reference.kernel.program.contacts import Contacts
-from reference.kernel.program.laws.registry import tangential_laws
+from reference.kernel.program.laws.registry import NORMAL, tangential_laws
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,8 +47,8 @@ class Memory:
 
 def memories(model: Model) -> dict[str, Memory]:
     """Return the memory of every law that has one, by family."""
-    dim = model.dimension
-    made = {"normal": _memory(model.normal.memory_rows(dim), dim, unit=1.0, vectors=False)}
+    dim, normal = model.dimension, model.normal
+    made = {"normal": _memory(normal.memory_rows(dim), dim, unit=NORMAL[type(normal)].unit(normal), vectors=False)}
     for family, (law, operations) in tangential_laws(model).items():
         rows = law.memory_rows(dim)
         made[family] = _memory(rows, dim, unit=operations.unit(law), vectors=rows >= dim)

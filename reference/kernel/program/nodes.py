@@ -60,8 +60,18 @@ class Nodes:
         """Return the force of the particles on wall k, (dim,)."""
         raise NotImplementedError
 
+    def push(self, index: np.ndarray, change: np.ndarray) -> None:
+        """Add changes of velocity, (dim, K), to nodes, one after the other."""
+        raise NotImplementedError
+
+    def spin_up(self, index: np.ndarray, change: np.ndarray) -> None:
+        """Add changes of omega, (1|3, K), to nodes, one after the other."""
+        raise NotImplementedError
+
     def full_step(self) -> np.ndarray:
         """Return the velocity vector at the full step."""
+        if self.model.convention.scheme == "corrected":
+            return self.velocity_vector.copy()
         return self.velocity_vector + 0.5 * (self.force_vector * self.kick_factor)
 
     def step_back(self) -> None:

@@ -12,10 +12,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from reference.kernel.corrected import simulate
 from reference.kernel.interactions import Forces, Interaction
 from reference.kernel.model import Model
 from reference.kernel.program.compose import DIMENSIONS, can_compose, find_normals, one_step, spin_unit
 from reference.kernel.program.contacts import Contacts
+from reference.kernel.program.corrected import history_rows, take_last_forces
 from reference.kernel.program.memory import memories
 from reference.kernel.program.nodes import Nodes
 from reference.kernel.program.walls import MovingWalls
@@ -47,7 +49,8 @@ class ProgramSimulation:
         self.nodes: Nodes = self._dimension.nodes(model, state, spin_unit=spin_unit(model, state.radius))
         self.walls = MovingWalls(model, self.nodes, state)
         self.walls.start()
-        self.nodes.step_back()
+        if model.convention.scheme == "leapfrog":
+            self.nodes.step_back()
         self._in_step = True
         self._pairs: Contacts | None = None
         self._renew(self.skin)
@@ -121,7 +124,7 @@ class ProgramSimulation:
         if not np.isfinite(self.nodes.place_vector).all():
             raise KernelUnstable(f"step {self.walls.step}: a position is no longer a finite number")
         old, state = self._pairs, self._textbook.state
-        rows = {family: memory.rows for family, memory in self._memories.items()}
+        rows = {family: memory.rows for family, memory in self._memories.items()} | history_rows(self.model)
         self._pairs = self._dimension.contacts(self.model, self.nodes.places(), state, skin, rows)
         find_normals(self.model, self.nodes, self._pairs)
         if old is None:
@@ -206,6 +209,8 @@ class ProgramSimulation:
             rows = self._rows_of(interaction)
             for family, remembered in interaction.pairs.memory.items():
                 c.history[family][:, rows] = self._memories[family].from_textbook(c, rows, remembered)
+            if "f_n" in c.history:
+                take_last_forces(c, rows[interaction.last.touching], interaction.last)
 
     def _rows_of(self, interaction: Interaction) -> np.ndarray:
         """Which of the program's pairs an interaction has, in the order of its keys."""
@@ -217,4 +222,4 @@ class ProgramSimulation:
 
 def fastest(model: Model) -> Simulation | ProgramSimulation:
     """Return the program kernel where it has operations for every effect of the model, else the textbook one."""
-    return ProgramSimulation(model) if can_compose(model) else Simulation(model)
+    return ProgramSimulation(model) if can_compose(model) else simulate(model)

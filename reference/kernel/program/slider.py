@@ -32,6 +32,7 @@ Coefficient = float | np.ndarray
 class Spring:
     """A law's numbers. memory: history, the tension and with a state a last row.
 
+    mean_rate: the rate by which the spring is stretched, in schemes that know one (`lammps` only); else v.
     growth: k dt. damping: gamma, None without dashpot. turns: whether the spring follows the contact.
     """
 
@@ -42,6 +43,7 @@ class Spring:
     friction: float
     dynamic_friction: float | None = None
     turns: bool = True
+    mean_rate: np.ndarray | None = None
 
 
 def slide(
@@ -94,26 +96,31 @@ class _Slider:
         self.set_limit()
         self.turn(keep_length=False)
         p(np.multiply, self.rate, self.spring.growth, out=work)
-        p(np.add, tension, work, out=tension)
+        p(np.add, tension, work, out=out)
         stuck = self.c.buffer("stuck") if damped else None
-        self.cut(tension, out, stuck=stuck)
-        p.copy(out, tension)
+        self.cut(out, tension, stuck=stuck)
         if damped:
             p(np.multiply, self.rate, self.spring.damping, out=work)
             p(np.multiply, work, stuck, out=work)
-            p(np.add, out, work, out=out)
+            p(np.add, tension, work, out=out)
+        else:
+            p.copy(tension, out)
 
     def talk(self) -> None:
         p, tension, work, test, stuck = self.p, self.tension, self.kind.work, self.kind.new(), self.c.buffer("stuck")
+        damped = self.spring.damping is not None
         self.set_limit()
         self.turn(keep_length=True)
-        if self.spring.damping is None:
-            p.copy(tension, test)
-        else:
+        if damped:
             p(np.multiply, self.rate, self.spring.damping, out=work)
             p(np.add, tension, work, out=test)
+        else:
+            test = tension
         self.cut(test, self.out, stuck=stuck, coming=True)
-        self.leave_behind()
+        if damped:
+            p(np.subtract, self.out, work, out=tension)
+        else:
+            p.copy(self.out, tension)
         p(np.multiply, self.rate, self.spring.growth, out=work)
         p(np.multiply, work, stuck, out=work)
         p(np.add, tension, work, out=tension)
@@ -138,6 +145,13 @@ class _Slider:
     def pull_on(self) -> None:
         """out = T + (k dt + gamma) v."""
         p, out, growth, damping = self.p, self.out, self.spring.growth, self.spring.damping
+        if self.spring.mean_rate is not None:
+            p(np.multiply, self.spring.mean_rate, growth, out=out)
+            p(np.add, out, self.tension, out=out)
+            if damping is not None:
+                p(np.multiply, self.rate, damping, out=self.kind.work)
+                p(np.add, out, self.kind.work, out=out)
+            return
         both = growth
         if damping is not None:
             both = self._sum(growth, damping)
@@ -183,7 +197,7 @@ class _Slider:
 
     def _find_sliding_in_talk(self, test: np.ndarray, size: np.ndarray) -> None:
         """Slides = |test + slid k dt v| > limit and |test| > 0."""
-        p, work, slid, moving = self.p, self.kind.work, self.slid, self.c.a
+        p, work, slid, moving = self.p, self.out, self.slid, self.c.a
         p(np.multiply, self.rate, self.spring.growth, out=work)
         p(np.multiply, work, slid, out=work)
         p(np.add, work, test, out=work)

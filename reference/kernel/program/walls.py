@@ -43,7 +43,7 @@ class MovingWalls:
     def start(self) -> None:
         """Take the accelerations of the forces at set-up."""
         for wall in self.loaded:
-            wall.acceleration = self._acceleration(wall)
+            wall.acceleration = self.acceleration(wall)
 
     def move(self) -> None:
         """Bring all walls to the end of the step; node velocities are mean rates of the step."""
@@ -63,7 +63,7 @@ class MovingWalls:
     def kick(self) -> None:
         """Second half kick of the loaded walls, with the forces at the new places."""
         for wall in self.loaded:
-            wall.acceleration = self._acceleration(wall)
+            wall.acceleration = self.acceleration(wall)
             wall.rate += 0.5 * self.model.dt * wall.acceleration
 
     def snapshot(self) -> list[tuple[float, float, float]]:
@@ -89,8 +89,8 @@ class MovingWalls:
         self.nodes.shift_wall(k, self.here[:, k], (d - wall.d) / self.model.dt * normal)
         wall.d = d
 
-    def _acceleration(self, wall: _Wall) -> float:
-        """(load + stress * extent + F.n - damping d') / mass; extent: distance of the walls in `span`."""
+    def acceleration(self, wall: _Wall) -> float:
+        """Return (load + stress * extent + F.n - damping d') / mass; extent: distance of the walls in `span`."""
         motion = self.model.walls[wall.number].motion
         pushed = _dot(self.nodes.force_on_wall(wall.number), self.normal[:, wall.number])
         extent = 0.0

@@ -20,7 +20,7 @@ FAR = 1e300
 
 
 class VariableHysteretic(Plastic):
-    """`reference.kernel.laws.hysteretic_variable.VariableHystereticNormal`."""
+    """`reference.kernel.laws.hysteretic_variable.VariableHystereticNormal`; history "normal": M."""
 
     def __init__(self, law: VariableHystereticNormal, c: Contacts, *, keep_elastic: bool):
         super().__init__(law, c, keep_elastic=keep_elastic)
@@ -40,7 +40,9 @@ class VariableHysteretic(Plastic):
         p(np.multiply, overlap, k_1, out=out)
         p(np.add, out, work, out=out)
         self._draw_back(p, turning, excess, work)
-        self.pull_at_most(p, out)
+        if self.pull is not None:
+            self.find_pull(p)
+        p(np.maximum, out, 0.0 if self.pull is None else self.pull, out=out)
 
     def _draw_back(self, p: Program, turning: np.ndarray, excess: np.ndarray, work: np.ndarray) -> None:
         """M = B where T >= B, else M."""

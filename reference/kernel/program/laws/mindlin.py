@@ -36,4 +36,4 @@ def _spring(law: MindlinSliding, s: Setting, stiffness: np.ndarray, ratio: float
         damping = s.c.buffer("gamma")
         s.p(np.multiply, damping, math.sqrt(4.0 * ratio), out=damping)
     return Spring(algorithm=law.algorithm, memory=s.c.history["sliding"], growth=growth, damping=damping,
-                  friction=law.shear_friction)
+                  friction=law.shear_friction, mean_rate=s.c.mean_v_t)

@@ -27,6 +27,12 @@ class NormalOperations:
         apart = self.damped and (keep_elastic or self.grips_elastically)
         self.elastic_force = empty(c.count) if apart else c.f_n
 
+    @classmethod
+    def unit(cls, law: NormalLaw) -> float:
+        """Return history over what the textbook remembers."""
+        del law
+        return 1.0
+
     @property
     def damped(self) -> bool:
         """Whether there is a dashpot."""

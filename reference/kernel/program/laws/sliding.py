@@ -12,5 +12,6 @@ def spring_sliding(law: SpringSliding, s: Setting) -> None:
     spring = Spring(
         algorithm=law.algorithm, memory=s.c.history["sliding"], growth=law.shear_stiffness * s.model.dt,
         damping=law.shear_damping or None, friction=law.shear_friction, dynamic_friction=law.dynamic_friction,
+        mean_rate=s.c.mean_v_t,
     )
     slide(s.p, s.c, s.c.tangents, spring, rate=s.c.v_t, out=s.c.shear)

@@ -80,6 +80,14 @@ class PlaneNodes(Nodes):
         force = self.f[self.model.particle_count + k]
         return np.array((force.real, -force.imag))
 
+    def push(self, index: np.ndarray, change: np.ndarray) -> None:
+        """Add changes of velocity, (2, K), to nodes, one after the other."""
+        np.add.at(self.c, index, change[0] + 1j * change[1])
+
+    def spin_up(self, index: np.ndarray, change: np.ndarray) -> None:
+        """Add changes of omega, (1, K), to nodes, one after the other."""
+        np.add.at(self.s, index, change[0] * self.spin_unit[index])
+
     def _signs(self) -> np.ndarray:
         """(1, -1, 1, -1, ..), shape (2n,), 0 for walls: real and imaginary part of a conjugation."""
         signs = np.tile((1.0, -1.0), self.count)

@@ -64,6 +64,16 @@ class SpaceNodes(Nodes):
         """Return the force of the particles on wall k, (3,)."""
         return self.f[:, self.model.particle_count + k]
 
+    def push(self, index: np.ndarray, change: np.ndarray) -> None:
+        """Add changes of velocity, (3, K), to nodes, one after the other."""
+        for axis in range(3):
+            np.add.at(self.c[axis], index, change[axis])
+
+    def spin_up(self, index: np.ndarray, change: np.ndarray) -> None:
+        """Add changes of omega, (3, K), to nodes, one after the other."""
+        for axis in range(3):
+            np.add.at(self.s[axis], index, change[axis] * self.spin_unit[index])
+
     def _of_particles(self, values: np.ndarray) -> np.ndarray:
         return np.concatenate([values, np.zeros(self.count - len(values))])
 
