@@ -84,7 +84,7 @@ DEPENDENCES = (
         "step longer, is decided by rounding",
     ),
     Dependence(
-        conventions=("talk", "lammps"), motions=("twist",), limit=1.0,
+        conventions=("talk", "lammps", "corrected"), motions=("twist",), limit=1.0,
         concerns=lambda laws: isinstance(laws.rolling, ConstantRolling),
         reason="the couple has full size at any rate of rolling: without rolling its direction is decided by rounding",
     ),

@@ -19,7 +19,7 @@ from harness.studies.laws.closed_forms import expected
 from harness.studies.laws.drive import Driven, part_name
 from harness.studies.laws.invariance import FRAME_TOLERANCE, known_dependence
 from harness.studies.verdict import Check, judged, not_checked
-from reference.kernel.conventions import CONVENTIONS
+from reference.kernel.conventions import NAMED
 
 CLOSED_FORM, PLAIN_FRAME = "closed form", "itself, plain frame"
 SMALL_TORQUE = 0.1
@@ -40,7 +40,7 @@ class Deviation:
 def convention_of(engine: str) -> str | None:
     """Return the convention that an engine computes in, None if the kernel knows none of this name."""
     name = engine.removeprefix(KERNEL_PREFIX)
-    return name if name in CONVENTIONS else None
+    return name if name in NAMED else None
 
 
 def judge_engine(laws: Laws, engine: str, runs: Parts, kernel: Parts, rerun: str, no_kernel: str = "") -> list[Check]:
@@ -103,7 +103,7 @@ def closed_form_deviation(run: Driven, laws: Laws, motion: str, convention: str)
     plain = next((t for t in a.tracks_of(motion) if t.motion.course is not None), None)
     if plain is None:
         return None
-    force, torque = expected(laws, plain.motion, a.partner, a.grains, CONVENTIONS[convention])
+    force, torque = expected(laws, plain.motion, a.partner, a.grains, NAMED[convention])
     answer = plain.local(run.reaction)
     known = [np.where(np.isnan(e), found, e) for e, found in zip((force, torque), answer, strict=True)]
     size = _apart(answer, known, _sizes([known], a))
