@@ -53,7 +53,7 @@ class Interaction:
         laws = self._laws()
         self.needs = frozenset().union(*(law.needs for law in laws.values()))
         rows = {family: law.memory_rows(model.dimension) for family, law in laws.items()}
-        self.pairs = CandidateList(model.particle_count + len(model.walls), rows)
+        self.pairs = CandidateList(model.particle_count + len(model.walls), rows, model.precision)
         arms = model.convention
         self.slip_arm = arms.slip_arm if walls is None else arms.wall_slip_arm
         self.torque_arm = arms.torque_arm if walls is None else arms.wall_torque_arm
@@ -171,14 +171,23 @@ class Interaction:
         """Sum contact forces to the nodes, (dim, N+W), and torques, (1|3, N+W), in pair order."""
         c, nodes = forces.contact, force.shape[1]
         for axis, component in enumerate(forces.force):
-            force[axis] += np.bincount(c.i, component, nodes) - np.bincount(c.j, component, nodes)
+            force[axis] += summed(c.i, component, nodes) - summed(c.j, component, nodes)
         if self.sliding is not None:
             for axis, component in enumerate(torque_cross(c.n, forces.force)):
-                torque[axis] -= np.bincount(c.i, c.torque_arm_i * component, nodes)
-                torque[axis] -= np.bincount(c.j, c.torque_arm_j * component, nodes)
+                torque[axis] -= summed(c.i, c.torque_arm_i * component, nodes)
+                torque[axis] -= summed(c.j, c.torque_arm_j * component, nodes)
         if forces.couple is not None:
             for axis, component in enumerate(forces.couple):
-                torque[axis] += np.bincount(c.i, component, nodes) - np.bincount(c.j, component, nodes)
+                torque[axis] += summed(c.i, component, nodes) - summed(c.j, component, nodes)
+
+
+def summed(node: np.ndarray, values: np.ndarray, nodes: int) -> np.ndarray:
+    """Return the sums of values (M,) at nodes, (nodes,), one after the other; `bincount` knows doubles only."""
+    if values.dtype == float:
+        return np.bincount(node, values, nodes)
+    sums = np.zeros(nodes, values.dtype)
+    np.add.at(sums, node, values)
+    return sums
 
 
 def _arms(radius_i, radius_j, overlap, arm: str) -> tuple[np.ndarray, np.ndarray]:

@@ -20,11 +20,11 @@ class CandidateList:
     memory: one array (rows, P) for every law with history, by its family; zero where nothing is remembered.
     """
 
-    def __init__(self, nodes: int, rows: dict[str, int]):
+    def __init__(self, nodes: int, rows: dict[str, int], precision: np.dtype | type = float):
         self.nodes = nodes
         self.i = np.empty(0, np.intp)
         self.j = np.empty(0, np.intp)
-        self.memory = {family: np.zeros((count, 0)) for family, count in rows.items() if count}
+        self.memory = {family: np.zeros((count, 0), precision) for family, count in rows.items() if count}
 
     def replace(self, i: np.ndarray, j: np.ndarray) -> None:
         """Take new pairs; memory follows the pairs that stay."""
@@ -97,7 +97,7 @@ def wall_pairs_within(
 
 def _carried(old_key: np.ndarray, old: np.ndarray, key: np.ndarray) -> np.ndarray:
     """Memory of `key`, taken from `old_key` where the pair was listed before, else zero."""
-    memory = np.zeros((len(old), len(key)))
+    memory = np.zeros((len(old), len(key)), old.dtype)
     if len(old_key):
         place = np.minimum(np.searchsorted(old_key, key), len(old_key) - 1)
         known = old_key[place] == key

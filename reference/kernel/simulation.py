@@ -122,13 +122,13 @@ class Simulation:
         """Return load + stress * extent + F.n - damping d', with the half-step rate d'."""
         s = self.state
         extent = 0.0 if motion.span is None else self._distance(*motion.span)
-        pushed = float(dot(s.wall_force[:, k], s.wall_normal[:, k]))
+        pushed = dot(s.wall_force[:, k], s.wall_normal[:, k])
         return motion.load + motion.stress * extent + pushed - motion.damping * s.wall_rate[k]
 
     def _distance(self, a: int, b: int) -> float:
         """Distance of wall b from wall a along a's normal."""
         s, n = self.state, self.model.particle_count
-        return float(dot(s.x[:, n + b] - s.x[:, n + a], s.wall_normal[:, a]))
+        return dot(s.x[:, n + b] - s.x[:, n + a], s.wall_normal[:, a])
 
     # --- forces --------------------------------------------------------------------------------
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -36,23 +37,23 @@ class State:
 
 def initial_state(model: Model) -> State:
     """Return the state at time 0; walls with a constant velocity have it from the start."""
-    dim, walls = model.dimension, len(model.walls)
-    point = np.array([w.point for w in model.walls], float).reshape(walls, dim).T
-    normal = np.array([w.normal for w in model.walls], float).reshape(walls, dim).T
+    dim, walls, zeros = model.dimension, len(model.walls), partial(np.zeros, dtype=model.precision)
+    point = np.array([w.point for w in model.walls], model.precision).reshape(walls, dim).T
+    normal = np.array([w.normal for w in model.walls], model.precision).reshape(walls, dim).T
     velocity = [w.motion.velocity if isinstance(w.motion, Constant) else (0.0,) * dim for w in model.walls]
-    wall_v = np.array(velocity, float).reshape(walls, dim).T
+    wall_v = np.array(velocity, model.precision).reshape(walls, dim).T
     spins = spin_components(dim)
     nodes = model.particle_count + walls
     return State(
         x=np.hstack([model.x, point]),
         v=np.hstack([model.v, wall_v]),
-        spin=np.hstack([model.spin, np.zeros((spins, walls))]),
-        radius=np.concatenate([model.radius, np.zeros(walls)]),
-        force=np.zeros((dim, nodes)),
-        torque=np.zeros((spins, nodes)) if model.turns else None,
+        spin=np.hstack([model.spin, zeros((spins, walls))]),
+        radius=np.concatenate([model.radius, zeros(walls)]),
+        force=zeros((dim, nodes)),
+        torque=zeros((spins, nodes)) if model.turns else None,
         wall_normal=normal,
-        wall_d=np.zeros(walls),
+        wall_d=zeros(walls),
         wall_rate=dot(wall_v, normal),
-        wall_force=np.zeros((dim, walls)),
-        turned=np.zeros(model.particle_count) if model.rotations else None,
+        wall_force=zeros((dim, walls)),
+        turned=zeros(model.particle_count) if model.rotations else None,
     )

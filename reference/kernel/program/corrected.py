@@ -43,7 +43,10 @@ def amounts(history: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, kw_only=True)
 class _Events:
-    """K contacts that began or ended in the step. n: (dim, K). theta, f_n, elastic: (K,). f_t: (dim, K) on i."""
+    """K contacts that began or ended in the step, with their places of now and their forces while they touched.
+
+    n: (dim, K). overlap, theta, f_n, elastic: (K,). f_t: (dim, K) on i.
+    """
 
     i: np.ndarray
     j: np.ndarray
@@ -51,6 +54,7 @@ class _Events:
     overlap: np.ndarray
     theta: np.ndarray
     f_n: np.ndarray
+    elastic: np.ndarray
     f_t: np.ndarray
 
 
@@ -148,26 +152,33 @@ class Corrections:
             theta = share_in_contact(c.overlap[self.begun], gap)
             c.mean_v_t[..., self.begun] = theta * c.v_t[..., self.begun]
         if len(ended) and self.model.normal.attraction != "clipped":
-            overlap, n = self._overlap(ended, self.before)
-            gap, _ = self._overlap(ended, self.nodes.places())
-            self.ended = self._events(ended, n, overlap, gap)
+            overlap, before = self._overlap(ended, self.before)
+            gap, n = self._overlap(ended, self.nodes.places())
+            f_t = self._tangential_force(ended, before)
+            self.ended = self._events(
+                ended, n, share_in_contact(overlap, gap), f_t - dot(f_t, n) * n, touched=overlap, overlap=gap)
 
     def _apply(self) -> None:
         if len(self.begun):
             gap, _ = self._overlap(self.begun, self.before)
             overlap, n = self._overlap(self.begun, self.nodes.places())
-            self._give(self._events(self.begun, n, overlap, gap))
+            theta, f_t = share_in_contact(overlap, gap), self._tangential_force(self.begun, n)
+            self._give(self._events(self.begun, n, theta, f_t, touched=overlap, overlap=overlap))
         if self.ended is not None:
             self._give(self.ended)
 
-    def _events(self, rows: np.ndarray, n: np.ndarray, overlap: np.ndarray, gap: np.ndarray) -> _Events:
-        """Contacts with the forces that stand in the buffers: of now, or while the laws wait, of the last step."""
-        c = self.c
-        f_t = np.zeros_like(n)
-        if self.model.sliding is not None:
-            shear = c.shear[..., rows]
-            f_t = -shear if len(n) == 3 else shear * np.stack([n[1], -n[0]])
-        return _Events(i=c.i[rows], j=c.j[rows], n=n, overlap=overlap, theta=share_in_contact(overlap, gap),
+    def _tangential_force(self, rows: np.ndarray, n: np.ndarray) -> np.ndarray:
+        """Force on i, (dim, K), that stands in the buffers: of now, or while the laws wait, of the last step."""
+        if self.model.sliding is None:
+            return np.zeros_like(n)
+        shear = self.c.shear[..., rows]
+        return -shear if len(n) == 3 else shear * np.stack([n[1], -n[0]])
+
+    def _events(self, rows, n, theta, f_t, *, touched: np.ndarray, overlap: np.ndarray) -> _Events:
+        """`touched`: overlap at the end of the step at which they touch; `overlap`: that of now, of either sign."""
+        c, law = self.c, self.model.normal
+        elastic, _ = law.elastic(self._touching(c.i[rows], c.j[rows], n, touched), None)
+        return _Events(i=c.i[rows], j=c.j[rows], n=n, overlap=overlap, theta=theta, elastic=elastic,
                        f_n=c.f_n[rows].copy(), f_t=f_t)
 
     def _overlap(self, rows: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -183,8 +194,7 @@ class Corrections:
     def _give(self, e: _Events) -> None:
         """Add the impulses to the nodes i and take them from the nodes j, with the moments of their tangential part."""
         model, n = self.model, self.model.particle_count
-        elastic, _ = model.normal.elastic(self._touching(e), None)
-        along, across = missed_force(model, e.theta, f_n=e.f_n, elastic=elastic, f_t=e.f_t)
+        along, across = missed_force(model, e.theta, f_n=e.f_n, elastic=e.elastic, f_t=e.f_t)
         impulse, moment = model.dt * (along * e.n + across), model.dt * torque_cross(e.n, across)
         body = e.j < n
         for node, signed, on in ((e.i, impulse, np.ones_like(body)), (e.j, -impulse, body)):
@@ -200,9 +210,9 @@ class Corrections:
             if wall.number == number:
                 wall.rate += float(impulse @ self.walls.normal[:, number]) / self.model.walls[number].motion.mass
 
-    def _touching(self, e: _Events) -> Touching:
+    def _touching(self, i: np.ndarray, j: np.ndarray, n: np.ndarray, overlap: np.ndarray) -> Touching:
         """What the elastic force asks for."""
-        n = self.model.particle_count
-        of_i, of_j = self.model.radius[e.i], self.model.radius[np.where(e.j < n, e.j, 0)]
-        reduced = np.where(e.j < n, of_i * of_j / (of_i + of_j), of_i)
-        return Touching(i=e.i, j=e.j, n=e.n, overlap=e.overlap, v_n=np.zeros_like(e.overlap), reduced_radius=reduced)
+        count = self.model.particle_count
+        of_i, of_j = self.model.radius[i], self.model.radius[np.where(j < count, j, 0)]
+        reduced = np.where(j < count, of_i * of_j / (of_i + of_j), of_i)
+        return Touching(i=i, j=j, n=n, overlap=overlap, v_n=np.zeros_like(overlap), reduced_radius=reduced)

@@ -12,6 +12,9 @@ from functools import partial
 
 import numpy as np
 
+_OUT_BY_NAME = {np.maximum, np.minimum}
+"""Where NumPy warns of an `out` without name."""
+
 
 class Program:
     """Operations in order; `names` says what each is for, as "effect: operation"."""
@@ -29,9 +32,10 @@ class Program:
         self._effect = name
 
     def __call__(self, ufunc: np.ufunc, *inputs, out: np.ndarray) -> None:
-        """Add out = ufunc(*inputs). Numbers become 0-d arrays: NumPy converts them faster."""
-        arrays = (np.asarray(a) for a in inputs)
-        self._add(ufunc.__name__, partial(ufunc, *arrays, out=out))
+        """Add out = ufunc(*inputs). Numbers become 0-d arrays, and `out` an argument without name: both are faster."""
+        arrays = [np.asarray(a) for a in inputs]
+        bound = partial(ufunc, *arrays, out=out) if ufunc in _OUT_BY_NAME else partial(ufunc, *arrays, out)
+        self._add(ufunc.__name__, bound)
 
     def take(self, array: np.ndarray, index: np.ndarray, out: np.ndarray) -> None:
         """Add out = array[index]; "clip" because it writes into `out` without a copy."""
@@ -47,7 +51,7 @@ class Program:
 
     def copy(self, source: np.ndarray, out: np.ndarray) -> None:
         """Add out[:] = source."""
-        self._add("copy", partial(np.copyto, out, source))
+        self._add("copy", partial(out.__setitem__, ..., source))
 
     def call(self, name: str, function: Callable[[], object]) -> None:
         """Add a Python function: for the few scalars of walls."""

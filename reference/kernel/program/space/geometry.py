@@ -30,8 +30,9 @@ def overlaps_and_normals(p: Program, model: Model, nodes: SpaceNodes, c: SpaceCo
     p(np.sqrt, distance, out=distance)
     p(np.subtract, c.radius_sum, distance, out=c.overlap)
     if masked:
-        c.touching = empty(c.count)
-        p(np.greater, c.overlap, 0.0, out=c.touching)
+        c.touching, touches = empty(c.count), np.empty(c.count, bool)
+        p(np.greater, c.overlap, 0.0, out=touches)
+        p.copy(touches, c.touching)
         p(np.divide, c.touching, distance, out=inverse)
     else:
         p(np.reciprocal, distance, out=inverse)
