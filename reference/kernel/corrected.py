@@ -103,7 +103,7 @@ class CorrectedSimulation(Simulation):
         if old.forces.contact.v_t is not None and known.any():
             slip = old.forces.contact.v_t[:, place[known]]
             n = contact.n[:, known]
-            mean[:, known] += 0.5 * (slip - dot(slip, n) * n)
+            mean[:, known] += 0.5 * turned(slip, n)
         new = ~known
         gap, _ = self._overlap_at(interaction, contact.i[new], contact.j[new], old.x)
         mean[:, new] = share_in_contact(contact.overlap[new], gap) * contact.v_t[:, new]
@@ -180,6 +180,12 @@ class CorrectedSimulation(Simulation):
             arm = s.radius[node[body]] - 0.5 * overlap[body]
             change = arm * moment[:, body] * self._inverse_inertia[node[body]]
             np.subtract.at(s.spin.T, node[body], change.T)
+
+
+def turned(v: np.ndarray, n: np.ndarray) -> np.ndarray:
+    """Return vectors v, (dim, K), turned at right angles to n, their lengths kept."""
+    across = v - dot(v, n) * n
+    return across * _ratio(norm(v), norm(across))
 
 
 def share_in_contact(overlap: np.ndarray, negative_gap: np.ndarray) -> np.ndarray:

@@ -4,27 +4,30 @@ from __future__ import annotations
 
 import numpy as np
 
-from reference.kernel.program.buffers import lined_up
+from reference.kernel.program.buffers import filled
 from reference.kernel.program.contacts import Contacts
 from reference.kernel.program.program import Program
 
 
-def lever_arms(p: Program, c: Contacts, *, pairs: str, walls: str) -> np.ndarray:
-    """Return a of i and of j, (2, P): the radii, or a buffer that holds R - overlap/2 during the step.
+def lever_arms(p: Program, c: Contacts, name: str, *, pairs: str, walls: str) -> np.ndarray:
+    """Return a at the `ends`, (2, P): the radii, or the buffer `name`, which holds R - overlap/2 during the step.
 
     pairs, walls: "radius" or "reduced", the convention's arm there.
     """
-    reduced = _reduced_part(c, pairs, walls)
-    if reduced is None:
+    if pairs == walls == "radius":
         return c.radius
-    arms, half = lined_up(c.radius), c.a[reduced]
-    p(np.multiply, c.overlap[reduced], 0.5, out=half)
-    p(np.subtract, c.radius[:, reduced], half, out=arms[:, reduced])
+    arms, half = c.buffer(name, 2), c.a
+    p(np.multiply, c.overlap, _share_of_overlap(c, pairs, walls), out=half)
+    for radius, arm in zip(c.radius, arms, strict=True):
+        p(np.subtract, radius, half, out=arm)
     return arms
 
 
-def _reduced_part(c: Contacts, pairs: str, walls: str) -> slice | None:
-    """Which pairs have the arm R - overlap/2: all, the particle pairs, the wall pairs, or none."""
-    if pairs == walls:
-        return slice(0, c.count) if pairs == "reduced" else None
-    return c.particle_pairs if pairs == "reduced" else slice(c.particle_pairs.stop, c.count)
+def _share_of_overlap(c: Contacts, pairs: str, walls: str) -> float | np.ndarray:
+    """Return what the radius is reduced by, over the overlap: 1/2 or 0, (P,) where that is not one number for all."""
+    of_pairs, of_walls = (0.5 if arm == "reduced" else 0.0 for arm in (pairs, walls))
+    if of_pairs == of_walls or c.particle_pairs.stop == c.count:
+        return of_pairs
+    share = filled(of_walls, c.count)
+    share[c.particle_pairs] = of_pairs
+    return share

@@ -33,3 +33,26 @@ def lined_up(values: np.ndarray) -> np.ndarray:
     array = empty(*values.shape, dtype=values.dtype)
     array[...] = values
     return array
+
+
+class Workspace:
+    """Buffers by name, shape and type for up to `size` contacts: one block of contacts after the other uses them."""
+
+    def __init__(self, size: int):
+        self.size = size
+        self._made: dict[tuple, np.ndarray] = {}
+
+    def rows(self, name: str, *shape: int, dtype: type = float) -> np.ndarray:
+        """Return the buffer of that name in a shape that ends with a number of contacts."""
+        *rows, length = shape
+        return self._buffer(name, *rows, self.size, dtype=dtype)[..., :length]
+
+    def ends(self, name: str, length: int, dtype: type = float) -> np.ndarray:
+        """Return a buffer of shape (2, length) without a gap: `take` and `add.at` go through both rows at once."""
+        return self._buffer(name, 2 * self.size, dtype=dtype)[: 2 * length].reshape(2, length)
+
+    def _buffer(self, name: str, *shape: int, dtype: type) -> np.ndarray:
+        key = name, shape, dtype
+        if key not in self._made:
+            self._made[key] = empty(*shape, dtype=dtype)
+        return self._made[key]

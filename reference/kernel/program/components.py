@@ -5,12 +5,14 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from reference.kernel.program.buffers import empty
 from reference.kernel.program.program import Program
+
+if TYPE_CHECKING:
+    from reference.kernel.program.contacts import Contacts
 
 TINY = 1e-200
 """Keeps quotients of zeros finite; no force of interest is as small."""
@@ -21,8 +23,8 @@ class Components(Protocol):
 
     work: np.ndarray
 
-    def new(self) -> np.ndarray:
-        """Return a buffer of the amounts' shape."""
+    def buffer(self, name: str) -> np.ndarray:
+        """Return the buffer of that name, in the amounts' shape."""
 
     def size(self, p: Program, v: np.ndarray, out: np.ndarray) -> None:
         """out = |v|, (P,)."""
@@ -41,12 +43,12 @@ class Components(Protocol):
 class Numbers:
     """One signed number a contact, on which turning leaves no mark: what acts about the normal, or about z in 2D."""
 
-    def __init__(self, work: np.ndarray):
-        self.work = work
+    def __init__(self, c: Contacts):
+        self.workspace, self.count, self.work = c.workspace, c.count, c.b
 
-    def new(self) -> np.ndarray:
-        """Return a (P,) buffer."""
-        return empty(len(self.work))
+    def buffer(self, name: str) -> np.ndarray:
+        """Return the (P,) buffer of that name."""
+        return self.workspace.rows(name, self.count)
 
     def size(self, p: Program, v: np.ndarray, out: np.ndarray) -> None:
         """out = |v|."""

@@ -25,6 +25,7 @@ from reference.kernel.program.laws.normal import NormalOperations
 from reference.kernel.program.laws.registry import NORMAL, has_operations, tangential_laws
 from reference.kernel.program.laws.setting import Setting
 from reference.kernel.program.nodes import Nodes
+from reference.kernel.program.pairs import PairList
 from reference.kernel.program.plane import geometry as plane_geometry
 from reference.kernel.program.plane import rotation as plane_rotation
 from reference.kernel.program.plane.contacts import PlaneContacts
@@ -75,34 +76,36 @@ def spin_unit(model: Model, radius: np.ndarray) -> np.ndarray | None:
     return radius if _carries_radius(model) else np.ones_like(radius)
 
 
-def find_normals(model: Model, nodes: Nodes, c: Contacts) -> None:
-    """Compute the overlaps and normals of now."""
+def _find_normals(model: Model, nodes: Nodes, c: Contacts) -> None:
+    """Compute the overlaps and normals of now, from which laws that follow the contact start."""
     p = Program()
     DIMENSIONS[model.dimension].geometry.overlaps_and_normals(p, model, nodes, c, masked=False)
     p.run()
 
 
-def one_step(model: Model, nodes: Nodes, walls: MovingWalls, c: Contacts) -> Program:
-    """Kick, drift, walls, forces: the program of a step for this list of pairs, whose normals are those of now."""
+def one_step(model: Model, nodes: Nodes, walls: MovingWalls, pairs: PairList) -> Program:
+    """Kick, drift, walls, forces: the program of a step for this list of pairs."""
     p = Program()
     if model.convention.scheme == "corrected":
-        _corrected_step(p, model, nodes, walls, c)
+        _corrected_step(p, model, nodes, walls, pairs)
         return p
     _kick(p, nodes)
     _move(p, nodes, walls)
-    _forces(p, model, nodes, c)
+    _forces(p, model, nodes, pairs)
     if any(isinstance(w.motion, Loaded) for w in model.walls):
         p.effect("loaded walls")
         p.call("walls", walls.kick)
     return p
 
 
-def _corrected_step(p: Program, model: Model, nodes: Nodes, walls: MovingWalls, c: Contacts) -> None:
+def _corrected_step(p: Program, model: Model, nodes: Nodes, walls: MovingWalls, pairs: PairList) -> None:
+    (c,) = pairs.blocks
+    _find_normals(model, nodes, c)
     scheme = Corrections(model, nodes, walls, c)
     scheme.kick(p)
     _move(p, nodes, walls)
     scheme.predict(p)
-    _forces(p, model, nodes, c, scheme)
+    _forces(p, model, nodes, pairs, scheme)
     scheme.replace_kick(p)
 
 
@@ -113,9 +116,11 @@ def _move(p: Program, nodes: Nodes, walls: MovingWalls) -> None:
         p.call("walls", walls.move)
 
 
-def _forces(p: Program, model: Model, nodes: Nodes, c: Contacts, scheme: Corrections | None = None) -> None:
+def _forces(p: Program, model: Model, nodes: Nodes, pairs: PairList, scheme: Corrections | None = None) -> None:
     _start_from_weights(p, nodes)
-    _contact_forces(p, model, nodes, c, scheme)
+    for c in pairs.blocks:
+        _find_normals(model, nodes, c)
+        _contact_forces(p, model, nodes, c, scheme)
     if model.drag is not None:
         _drag(p, model, nodes)
 
@@ -162,12 +167,12 @@ def _spins(p: Program, model: Model, nodes: Nodes, c: Contacts, rotation: Module
 def _arms(p: Program, model: Model, c: Contacts) -> tuple[np.ndarray, np.ndarray | None]:
     """Return the arms of torque and of slip, (2, P) each; None for slip if the nodes carry R omega."""
     k = model.convention
-    torque_arms = lever_arms(p, c, pairs=k.torque_arm, walls=k.wall_torque_arm)
+    torque_arms = lever_arms(p, c, "torque arms", pairs=k.torque_arm, walls=k.wall_torque_arm)
     if _carries_radius(model):
         return torque_arms, None
     if (k.slip_arm, k.wall_slip_arm) == (k.torque_arm, k.wall_torque_arm):
         return torque_arms, torque_arms
-    return torque_arms, lever_arms(p, c, pairs=k.slip_arm, walls=k.wall_slip_arm)
+    return torque_arms, lever_arms(p, c, "slip arms", pairs=k.slip_arm, walls=k.wall_slip_arm)
 
 
 def _carries_radius(model: Model) -> bool:
@@ -186,15 +191,15 @@ def _has_couples(model: Model) -> bool:
 
 
 def _reduced_radius_per_spin_unit(nodes: Nodes, c: Contacts) -> np.ndarray:
-    """Return a* over the spin units of i and j, (2, P), 0 at walls without friction; walls do not turn."""
-    units = np.stack([nodes.spin_unit[c.i], nodes.spin_unit[c.j]])
+    """Return a* over the spin units of the ends, (2, P), 0 at walls without friction; walls do not turn."""
+    units = nodes.spin_unit[c.ends]
     return lined_up(c.rough * c.reduced_radius / np.where(units > 0, units, 1.0))
 
 
 def _raise_wall_spins(p: Program, c: Contacts) -> None:
     """rolling *= (R - overlap/2)/(R - overlap) at walls: how fast a particle is taken to roll there."""
     walls = slice(c.particle_pairs.stop, c.smooth_pairs.start)
-    overlap, radius, rolling = c.overlap[walls], c.radius[0, walls], c.rolling[..., walls]
+    overlap, radius, rolling = c.overlap[walls], c.radius[1, walls], c.rolling[..., walls]
     lower, half = c.a[walls], c.b[walls]
     if not len(radius):
         return
@@ -213,9 +218,7 @@ def _tangential_forces(
     if _any(model, "limited"):
         _find_base(p, model, c, normal)
     if model.sliding is not None and "shear" not in c.history:
-        c.shear = c.tangents.new()
-    if _has_couples(model):
-        c.couple = c.tangents.new()
+        c.shear = c.tangents.buffer("shear")
     setting = Setting(p=p, c=c, model=model, normal=normal, rotation=rotation)
     for family, (law, operations) in tangential_laws(model).items():
         p.effect(EFFECTS[family])
@@ -224,7 +227,7 @@ def _tangential_forces(
 
 def _find_base(p: Program, model: Model, c: Contacts, normal: NormalOperations) -> None:
     """base = |f| or max(f, 0), f the normal force counted from where an adhesive contact pulls most."""
-    c.base = empty(c.count)
+    c.base = c.buffer("base")
     gripping = normal.gripping(p, c.f_n, c.base)
     p.effect("limit")
     if model.convention.limit == "absolute":
@@ -235,14 +238,14 @@ def _find_base(p: Program, model: Model, c: Contacts, normal: NormalOperations) 
 
 def _kick(p: Program, nodes: Nodes) -> None:
     p.effect("motion")
-    work = empty(len(nodes.velocity_vector))
+    work = nodes.work
     p(np.multiply, nodes.force_vector, nodes.kick_factor, out=work)
     p(np.add, nodes.velocity_vector, work, out=nodes.velocity_vector)
 
 
 def _drift(p: Program, nodes: Nodes) -> None:
     places = nodes.place_vector
-    work = empty(len(places))
+    work = nodes.work[: len(places)]
     p(np.multiply, nodes.velocity_vector[: len(places)], nodes.drift_factor, out=work)
     p(np.add, places, work, out=places)
     if nodes.turned is not None:
@@ -264,6 +267,6 @@ def _start_from_weights(p: Program, nodes: Nodes) -> None:
 def _drag(p: Program, model: Model, nodes: Nodes) -> None:
     p.effect("background drag")
     force = nodes.force_vector[: len(nodes.place_vector)]
-    factor, work = nodes.drift_factor * (model.drag / model.dt), empty(len(force))
+    factor, work = lined_up(nodes.drift_factor * (model.drag / model.dt)), nodes.work[: len(force)]
     p(np.multiply, nodes.velocity_vector[: len(force)], factor, out=work)
     p(np.subtract, force, work, out=force)

@@ -1,34 +1,33 @@
-"""The pairs that may touch, and the buffers in which one step evaluates them.
-
-Particle pairs come first, sorted by (i, j); then the pairs with walls, wall by wall, so that what only concerns one
-wall is a slice. History follows the pairs through a renewal by their keys.
-"""
+"""A block of the pairs that may touch, and the buffers in which one step evaluates them."""
 
 from __future__ import annotations
 
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from reference.kernel.model import Model
-from reference.kernel.neighbours import pairs_within, wall_pairs_within
-from reference.kernel.program.buffers import empty, filled, lined_up
+from reference.kernel.program.buffers import Workspace, lined_up
 from reference.kernel.program.components import Components
 from reference.kernel.state import State
 
+if TYPE_CHECKING:
+    from reference.kernel.program.pairs import PairList
+
 
 class Contacts:
-    """P pairs (i, j) of nodes with a gap below the skin when they were found.
+    """P pairs (i, j) of nodes: views of a part of the list, and buffers that all blocks share.
 
-    radius: (2, P) of i and of j. overlap, f_n, a, b: (P,) of a step; overlap is 0 where nothing touches, a and b are
-    free for work within a few operations. history: (rows, P) arrays by family of laws, 0 where nothing touches.
-    wall_slices: wall number -> slice of its pairs, rough walls first; smooth_pairs: those of walls without friction.
-    What has a direction is the dimension's own (`plane.contacts`, `space.contacts`).
+    ends: (2, P), the nodes j and the nodes i; radius: (2, P), theirs. history: (rows, P) by family of laws, 0 where
+    nothing touches. wall_slices: wall number -> slice of its pairs; smooth_pairs: those of walls without friction.
+    overlap, f_n, a, b: (P,) of a step; overlap is 0 where nothing touches, a and b are free for work within a few
+    operations. force: the force on i; couple: minus the couple on i, None without rolling and torsion. What has a
+    direction is the dimension's own (`plane.contacts`, `space.contacts`).
 
     Made when the program is composed, by what writes them first: touching (P,), 1 where a pair touches, else 0
-    (numbers are multiplied faster than truth values); base (P,) of all limits; spins of i and of j; v_t, slip velocity,
-    and rolling = a* (omega_i - omega_j), both 0 where nothing touches and at smooth walls; shear and couple: minus the
-    tangential force and minus the couple on i.
+    (numbers are multiplied faster than truth values); base (P,) of all limits; v_t, slip velocity, and rolling =
+    a* (omega_i - omega_j), both 0 where nothing touches and at smooth walls; shear: minus the tangential force on i.
     """
 
     normal: np.ndarray
@@ -36,37 +35,58 @@ class Contacts:
     tangents: Components
     touching: np.ndarray
     base: np.ndarray
-    spins: np.ndarray
     v_t: np.ndarray
     mean_v_t: np.ndarray | None = None
     """Mean of v_t over the step, in schemes that know it."""
     rolling: np.ndarray
     shear: np.ndarray
-    couple: np.ndarray
 
-    def __init__(self, model: Model, x: np.ndarray, state: State, skin: float, history: dict[str, int]):
-        """x: (dim, n) places of the nodes; `state` gives radii and wall normals, which stay."""
-        self.i, self.j, self.wall_slices = _pairs(model, x, state.wall_normal, skin)
-        self.count = p = len(self.i)
-        self.particle_pairs = slice(0, min([s.start for s in self.wall_slices.values()], default=p))
-        self.smooth_pairs = _smooth(model, self.wall_slices, p)
-        self.radius = lined_up(np.stack([state.radius[self.i], state.radius[self.j]]))
-        self.radius_sum = lined_up(self.radius[0] + self.radius[1])
-        self.overlap, self.f_n, self.a, self.b = (empty(p) for _ in range(4))
-        self.history = {family: filled(0.0, rows, p) for family, rows in history.items()}
+    def __init__(
+        self, model: Model, state: State, pairs: PairList, part: slice, i: np.ndarray, j: np.ndarray,
+        workspace: Workspace,
+    ):
+        self.count = len(i)
+        self.ends = np.stack([j, i])
+        self.j, self.i = self.ends
+        self.wall_slices = {k: _within(s, part) for k, s in pairs.wall_slices.items() if _overlap(s, part)}
+        self.particle_pairs = slice(0, min([s.start for s in self.wall_slices.values()], default=self.count))
+        self.smooth_pairs = _smooth(model, self.wall_slices, self.count)
+        self.radius = lined_up(state.radius[self.ends])
+        self.radius_sum = lined_up(self.radius[1] + self.radius[0])
+        self.history = {family: kept[:, part] for family, kept in pairs.history.items()}
+        self.force = pairs.force[..., part]
+        self.couple = None if pairs.couple is None else pairs.couple[..., part]
+        self.workspace = workspace
+        self.overlap, self.f_n, self.a, self.b = (self.buffer(name) for name in ("overlap", "f_n", "a", "b"))
         self._mass = model.mass
-        self._buffers: dict[str, np.ndarray] = {}
 
-    def buffer(self, name: str) -> np.ndarray:
-        """Return the (P,) buffer of that name, made when first asked for."""
-        if name not in self._buffers:
-            self._buffers[name] = empty(self.count)
-        return self._buffers[name]
+    @staticmethod
+    def new_forces(count: int) -> np.ndarray:
+        """Return an array for the forces on i of that many pairs."""
+        raise NotImplementedError
+
+    @staticmethod
+    def new_couples(count: int) -> np.ndarray:
+        """Return an array for the couples on i of that many pairs."""
+        raise NotImplementedError
+
+    @staticmethod
+    def vectors(force: np.ndarray) -> np.ndarray:
+        """Return such forces as (dim, M)."""
+        raise NotImplementedError
+
+    def buffer(self, name: str, *rows: int, dtype: type = float) -> np.ndarray:
+        """Return the buffer of that name, (*rows, P)."""
+        return self.workspace.rows(name, *rows, self.count, dtype=dtype)
+
+    def ends_buffer(self, name: str, dtype: type = float) -> np.ndarray:
+        """Return the buffer of that name for a number at each of `ends`, (2, P) without a gap."""
+        return self.workspace.ends(name, self.count, dtype=dtype)
 
     @cached_property
     def reduced_radius(self) -> np.ndarray:
         """a* = a_i a_j/(a_i + a_j), a_i at a wall, (P,)."""
-        return self._reduced(*self.radius)
+        return self._reduced(self.radius[1], self.radius[0])
 
     @cached_property
     def reduced_mass(self) -> np.ndarray:
@@ -88,50 +108,30 @@ class Contacts:
         reduced[walls] = of_i[walls]
         return reduced
 
-    def keys(self, nodes: int) -> np.ndarray:
-        """One number a pair, (P,)."""
-        return self.i * nodes + self.j
-
-    def inherit(self, old: Contacts, nodes: int) -> None:
-        """Take the history of pairs that were listed before."""
-        order = np.argsort(old.keys(nodes))
-        known = old.keys(nodes)[order]
-        if not len(known):
-            return
-        key = self.keys(nodes)
-        place = np.minimum(np.searchsorted(known, key), len(known) - 1)
-        same = known[place] == key
-        for name, values in self.history.items():
-            values[:, same] = old.history[name][:, order[place[same]]]
-
-    # --- the dimension's own ---------------------------------------------------------------------
-
-    def force_on_i(self, rows: np.ndarray) -> np.ndarray:
-        """Return the force on i in the last step, (dim, M)."""
-        raise NotImplementedError
-
-    def spring(self, rows: np.ndarray, tension: np.ndarray) -> np.ndarray:
-        """Return vectors in the tangent plane, (dim, M), of amounts with the components of `tangents`."""
-        raise NotImplementedError
-
-    def tension(self, rows: np.ndarray, spring: np.ndarray) -> np.ndarray:
-        """Return the amounts of vectors in the tangent plane, (dim, M): the inverse of `spring`."""
-        raise NotImplementedError
+    def wall_parts(self, model: Model) -> list[tuple[tuple[float, ...], slice]]:
+        """Return the pairs of walls with the walls' normals; walls across the same axis come as one if they can."""
+        parts: list[tuple[tuple[float, ...], slice]] = []
+        for k, pairs in self.wall_slices.items():
+            normal = model.walls[k].normal
+            if parts and axis_across(normal) == axis_across(parts[-1][0]) < model.dimension:
+                normal, pairs = parts[-1][0], slice(parts.pop()[1].start, pairs.stop)
+            parts.append((normal, pairs))
+        return parts
 
 
-def _pairs(model: Model, x: np.ndarray, wall_normal: np.ndarray, skin: float):
-    i, j = pairs_within(model, x[:, : model.particle_count], skin)
-    order = np.lexsort((j, i))
-    all_i, all_j, slices, start = [i[order]], [j[order]], {}, len(i)
-    for k in sorted(range(len(model.walls)), key=lambda k: not model.walls[k].friction):
-        particle, wall = wall_pairs_within(model, x, wall_normal, (k,), skin)
-        if len(particle):
-            order = np.argsort(particle)
-            all_i.append(particle[order])
-            all_j.append(wall[order])
-            slices[k] = slice(start, start + len(particle))
-            start += len(particle)
-    return np.concatenate(all_i).astype(np.intp), np.concatenate(all_j).astype(np.intp), slices
+def axis_across(normal: tuple[float, ...]) -> int:
+    """Return the number of the axis that a normal is along, the number of axes if it is along none."""
+    along = [axis for axis, component in enumerate(normal) if component != 0.0]
+    return along[0] if len(along) == 1 else len(normal)
+
+
+def _overlap(a: slice, b: slice) -> bool:
+    return a.start < b.stop and b.start < a.stop
+
+
+def _within(pairs: slice, part: slice) -> slice:
+    """The common part of both, counted from the begin of `part`."""
+    return slice(max(pairs.start, part.start) - part.start, min(pairs.stop, part.stop) - part.start)
 
 
 def _smooth(model: Model, slices: dict[int, slice], count: int) -> slice:

@@ -21,6 +21,7 @@ from reference.kernel.model import Constant, Loaded, Model
 from reference.kernel.neighbours import branch_vectors
 from reference.kernel.program.buffers import empty
 from reference.kernel.program.contacts import Contacts
+from reference.kernel.program.memory import amounts_of
 from reference.kernel.program.nodes import Nodes
 from reference.kernel.program.program import Program
 from reference.kernel.program.walls import MovingWalls
@@ -58,12 +59,13 @@ class _Events:
     f_t: np.ndarray
 
 
-def take_last_forces(c: Contacts, rows: np.ndarray, last: Forces) -> None:
+def take_last_forces(history: dict[str, np.ndarray], rows: np.ndarray, last: Forces) -> None:
     """Start the scheme's history, for the pairs `rows`, from forces of the set-up."""
-    c.history["f_n"][0, rows] = last.f_n
-    if "slip" in c.history and last.contact.v_t is not None:
-        c.history["slip"][:, rows] = c.tension(rows, last.contact.v_t)
-        c.history["shear"][:, rows] = c.tension(rows, last.f_n * last.contact.n - last.force)
+    n = last.contact.n
+    history["f_n"][0, rows] = last.f_n
+    if "slip" in history and last.contact.v_t is not None:
+        history["slip"][:, rows] = amounts_of(n, last.contact.v_t)
+        history["shear"][:, rows] = amounts_of(n, last.f_n * n - last.force)
 
 
 class Corrections:
@@ -73,20 +75,20 @@ class Corrections:
         self.model, self.nodes, self.walls, self.c = model, nodes, walls, c
         self.half_kick, self.new_kick = (empty(len(nodes.velocity_vector)) for _ in range(2))
         self.half_factor = 0.5 * nodes.kick_factor
-        self.before = nodes.places()
+        self.before = nodes.place_vector.copy()
         self.touched, self.changed = (c.overlap > 0.0).astype(float), np.empty(c.count, bool)
         self.begun, self.ended = np.empty(0, np.intp), None
         c.f_n = c.history["f_n"][0]
         if model.sliding is not None:
             c.shear = amounts(c.history["shear"])
-            c.mean_v_t = c.tangents.new()
+            c.mean_v_t = c.tangents.buffer("mean v_t")
 
     # --- operations ------------------------------------------------------------------------------
 
     def kick(self, p: Program) -> None:
         """v += dt/2 f/m, and the places of before are kept."""
         p.effect("second order")
-        p.call("places before", self._keep_places)
+        p.copy(self.nodes.place_vector, self.before)
         p.effect("motion")
         p(np.multiply, self.nodes.force_vector, self.half_factor, out=self.half_kick)
         p(np.add, self.nodes.velocity_vector, self.half_kick, out=self.nodes.velocity_vector)
@@ -104,7 +106,7 @@ class Corrections:
         p.effect("second order")
         if self.model.sliding is not None:
             slip = amounts(c.history["slip"])
-            c.tangents.turn(p, slip, keep_length=False, above=None)
+            c.tangents.turn(p, slip, keep_length=True, above=None)
             p(np.add, slip, c.v_t, out=c.mean_v_t)
             p(np.multiply, c.mean_v_t, 0.5, out=c.mean_v_t)
             p.copy(c.v_t, slip)
@@ -121,9 +123,6 @@ class Corrections:
         p.call("impulses", self._apply)
 
     # --- in a step -------------------------------------------------------------------------------
-
-    def _keep_places(self) -> None:
-        self.before = self.nodes.places()
 
     def _predict_walls(self) -> None:
         for wall in self.walls.moving:
@@ -148,11 +147,11 @@ class Corrections:
         self.begun, ended = rows[begins], rows[~begins]
         self.ended = None
         if len(self.begun) and self.model.sliding is not None:
-            gap, _ = self._overlap(self.begun, self.before)
+            gap, _ = self._overlap(self.begun, self.nodes.places(self.before))
             theta = share_in_contact(c.overlap[self.begun], gap)
             c.mean_v_t[..., self.begun] = theta * c.v_t[..., self.begun]
         if len(ended) and self.model.normal.attraction != "clipped":
-            overlap, before = self._overlap(ended, self.before)
+            overlap, before = self._overlap(ended, self.nodes.places(self.before))
             gap, n = self._overlap(ended, self.nodes.places())
             f_t = self._tangential_force(ended, before)
             self.ended = self._events(
@@ -160,7 +159,7 @@ class Corrections:
 
     def _apply(self) -> None:
         if len(self.begun):
-            gap, _ = self._overlap(self.begun, self.before)
+            gap, _ = self._overlap(self.begun, self.nodes.places(self.before))
             overlap, n = self._overlap(self.begun, self.nodes.places())
             theta, f_t = share_in_contact(overlap, gap), self._tangential_force(self.begun, n)
             self._give(self._events(self.begun, n, theta, f_t, touched=overlap, overlap=overlap))

@@ -11,8 +11,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from reference.kernel.model import Model
-from reference.kernel.program.contacts import Contacts
 from reference.kernel.program.laws.registry import NORMAL, tangential_laws
+
+
+def vectors_of(n: np.ndarray, amounts: np.ndarray) -> np.ndarray:
+    """Return vectors in the tangent planes of normals n, (dim, M): in 2D of signed numbers, (1, M), along t = i n."""
+    return amounts * np.stack([-n[1], n[0]]) if len(n) == 2 else amounts
+
+
+def amounts_of(n: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """Return what `vectors_of` makes the vectors, (dim, M), of."""
+    return (vectors[1] * n[0] - vectors[0] * n[1])[None] if len(n) == 2 else vectors
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,19 +38,19 @@ class Memory:
     unit: float
     vectors: bool
 
-    def to_textbook(self, c: Contacts, rows: np.ndarray, history: np.ndarray) -> np.ndarray:
-        """Return (textbook_rows, M) of the pairs `rows`, from their history (rows, M)."""
+    def to_textbook(self, n: np.ndarray, history: np.ndarray) -> np.ndarray:
+        """Return (textbook_rows, M) from the history, (rows, M), of pairs with the normals n, (dim, M)."""
         state = self.textbook_rows - self.spring_rows
         springs = history[: self.rows - state] / self.unit
         if self.vectors:
-            springs = c.spring(rows, springs)
+            springs = vectors_of(n, springs)
         return np.vstack([springs, history[self.rows - state :]])
 
-    def from_textbook(self, c: Contacts, rows: np.ndarray, remembered: np.ndarray) -> np.ndarray:
-        """Return the history, (rows, M), of the pairs `rows` from what the textbook remembers."""
+    def from_textbook(self, n: np.ndarray, remembered: np.ndarray) -> np.ndarray:
+        """Return the history, (rows, M), of pairs with the normals n, (dim, M), from what the textbook remembers."""
         springs = remembered[: self.spring_rows] * self.unit
         if self.vectors:
-            springs = c.tension(rows, springs)
+            springs = amounts_of(n, springs)
         return np.vstack([springs, remembered[self.spring_rows :]])
 
 

@@ -3,6 +3,7 @@
     place_vector                   positions
     velocity_vector                [velocities | s],   s = R omega or omega
     force_vector                   [forces | m],       m = torque
+    work                           as long, free for work within a few operations
     kick_factor, drift_factor      dt/m, dt/I times the spin unit; dt: with the signs of the layout, 0 for walls
 
 Particles are nodes 0..N-1, walls N..N+W-1. How the vectors are laid out is the dimension's own matter
@@ -24,6 +25,7 @@ class Nodes:
     place_vector: np.ndarray
     velocity_vector: np.ndarray
     force_vector: np.ndarray
+    work: np.ndarray
     kick_factor: np.ndarray
     drift_factor: np.ndarray
     rest_force: np.ndarray | None
@@ -36,8 +38,12 @@ class Nodes:
         self.turned = filled(0.0, self.count) if model.rotations else None
         self.turn_factor = None if spin_unit is None else model.dt / np.where(spin_unit > 0, spin_unit, 1.0)
 
-    def places(self) -> np.ndarray:
-        """Return x, (dim, n)."""
+    def places(self, place_vector: np.ndarray | None = None) -> np.ndarray:
+        """Return x, (dim, n), of now or of a copy of `place_vector`."""
+        raise NotImplementedError
+
+    def largest_distance(self, place_vector: np.ndarray) -> float:
+        """Return how far the node is that is furthest from its place in an earlier place vector."""
         raise NotImplementedError
 
     def half_step_velocities(self) -> tuple[np.ndarray, np.ndarray]:

@@ -1,8 +1,8 @@
 """A running system on the fast kernel; the same face as `reference.kernel.simulation.Simulation`.
 
-The list of pairs is looked at every CHECK_EVERY steps, after they have been made. If by then two nodes could have
-closed a gap of one skin, a contact may have been missed: the interval is taken back and made again from a new list.
-A margin makes that rare, the look afterwards makes it safe.
+The list of pairs is looked at after every interval of steps. If by then two nodes could have closed a gap of one skin,
+a contact may have been missed: the interval is taken back and made again from a new list. Margins make that rare, the
+look afterwards makes it safe.
 """
 
 from __future__ import annotations
@@ -15,21 +15,27 @@ import numpy as np
 from reference.kernel.corrected import simulate
 from reference.kernel.interactions import Forces, Interaction
 from reference.kernel.model import Model
-from reference.kernel.program.compose import DIMENSIONS, can_compose, find_normals, one_step, spin_unit
-from reference.kernel.program.contacts import Contacts
+from reference.kernel.program.compose import DIMENSIONS, can_compose, one_step, spin_unit
 from reference.kernel.program.corrected import history_rows, take_last_forces
 from reference.kernel.program.memory import memories
 from reference.kernel.program.nodes import Nodes
+from reference.kernel.program.pairs import BLOCK, PairList, normals
 from reference.kernel.program.walls import MovingWalls
 from reference.kernel.simulation import KernelUnstable, Simulation
 from reference.kernel.state import State
 from reference.kernel.vectors import dot
 
 CHECK_EVERY = 8
-"""Steps between two looks at the list."""
+"""Fewest steps between two looks at the list."""
+
+CHECK_WITHIN = 64
+"""Most steps between two looks."""
 
 MARGIN = 1.5
-"""The list is renewed when the next interval, if it moves 1.5 times as far as the last, would use up the skin."""
+"""The list is renewed when CHECK_EVERY more steps would use up the skin, moving 1.5 times as fast as the last ones."""
+
+LOOKAHEAD = 4.0
+"""The next look comes before what is left of the skin is used up even by moving 4 times as fast."""
 
 
 class ProgramSimulation:
@@ -52,7 +58,7 @@ class ProgramSimulation:
         if model.convention.scheme == "leapfrog":
             self.nodes.step_back()
         self._in_step = True
-        self._pairs: Contacts | None = None
+        self._pairs: PairList | None = None
         self._renew(self.skin)
 
     @property
@@ -91,8 +97,8 @@ class ProgramSimulation:
         """Make steps of dt."""
         end = self.walls.step + steps
         while self.walls.step < end:
-            self._advance_checked(min(CHECK_EVERY, end - self.walls.step))
-            self._in_step = False
+            self._let_go()
+            self._advance_checked(min(self._interval, end - self.walls.step))
 
     # --- the guarded interval ------------------------------------------------------------------
 
@@ -103,21 +109,29 @@ class ProgramSimulation:
         """
         if self._renewal_is_due:
             self._renew(self.skin)
-        before, kept, end = self._moved, self._snapshot(), self.walls.step + steps
-        skin = self.skin
+        kept, start, skin = self._snapshot(), self.walls.step, self.skin
         while True:
             self._program.run(steps)
-            self.walls.step = end
+            self.walls.step = start + steps
             moved = self._largest_move()
             if 2.0 * moved < self._list_skin:
                 break
             self._restore(kept)
-            skin = skin if before else 2.0 * skin
+            skin = 2.0 * skin if start == self._built_in_step else skin
             self._renew(skin)
-            before = 0.0
-        self._moved = moved
         self._refuse_passed_walls()
-        self._renewal_is_due = 2.0 * (moved + MARGIN * (moved - before)) >= self._list_skin
+        self._look_ahead(moved, steps)
+
+    def _look_ahead(self, moved: float, steps: int) -> None:
+        """Decide whether the list is renewed before the next interval, and how long that is."""
+        age = self.walls.step - self._built_in_step
+        pace = max((moved - self._moved) / steps, moved / age)
+        left = 0.5 * self._list_skin - moved
+        self._renewal_is_due = MARGIN * CHECK_EVERY * pace >= left
+        self._interval = min(2 * self._interval, CHECK_WITHIN)
+        if LOOKAHEAD * pace * self._interval > left:
+            self._interval = max(int(left / (LOOKAHEAD * pace)), CHECK_EVERY)
+        self._moved = moved
 
     def _renew(self, skin: float) -> None:
         """Find the pairs anew and compose the program for them."""
@@ -125,20 +139,20 @@ class ProgramSimulation:
             raise KernelUnstable(f"step {self.walls.step}: a position is no longer a finite number")
         old, state = self._pairs, self._textbook.state
         rows = {family: memory.rows for family, memory in self._memories.items()} | history_rows(self.model)
-        self._pairs = self._dimension.contacts(self.model, self.nodes.places(), state, skin, rows)
-        find_normals(self.model, self.nodes, self._pairs)
+        self._pairs = PairList(
+            self.model, self.nodes.places(), state, skin, history=rows, kind=self._dimension.contacts,
+            block=BLOCK if self.model.convention.scheme == "leapfrog" else None)
         if old is None:
             self._take_memories()
         else:
             self._pairs.inherit(old, self.nodes.count)
         self._program = one_step(self.model, self.nodes, self.walls, self._pairs)
-        self._built_at, self._list_skin, self._moved = self.nodes.places(), skin, 0.0
-        self._renewal_is_due = False
+        self._built_at, self._built_in_step = self.nodes.place_vector.copy(), self.walls.step
+        self._list_skin, self._moved, self._interval, self._renewal_is_due = skin, 0.0, CHECK_EVERY, False
         self.rebuilds += 1
 
     def _largest_move(self) -> float:
-        away = self.nodes.places() - self._built_at
-        moved = math.sqrt(float(dot(away, away).max(initial=0.0)))
+        moved = self.nodes.largest_distance(self._built_at)
         if not math.isfinite(moved):
             raise KernelUnstable(f"step {self.walls.step}: a position is no longer a finite number")
         return moved
@@ -157,15 +171,16 @@ class ProgramSimulation:
 
     def _refuse_passed_walls(self) -> None:
         """Raise when a particle centre has passed a wall: beyond it the plane is no wall."""
-        c, n, places = self._pairs, self.model.particle_count, self.nodes.places()
-        for k, pairs in c.wall_slices.items():
-            i = c.i[pairs]
-            height = dot(places[:, i] - places[:, n + k, None], self.walls.normal[:, k, None])
-            for particle in i[height <= 0.0][:1]:
-                raise KernelUnstable(
-                    f"by step {self.walls.step}: the centre of particle {particle + 1} has passed wall "
-                    f"'{self.model.walls[k].name}'"
-                )
+        i, j = self._pairs.at_walls
+        if not len(i):
+            return
+        places, wall = self.nodes.places(), j - self.model.particle_count
+        height = dot(places[:, i] - places[:, j], self.walls.normal[:, wall])
+        for first in np.flatnonzero(height <= 0.0)[:1]:
+            raise KernelUnstable(
+                f"by step {self.walls.step}: the centre of particle {i[first] + 1} has passed wall "
+                f"'{self.model.walls[wall[first]].name}'"
+            )
 
     # --- the textbook's view -------------------------------------------------------------------
 
@@ -186,38 +201,51 @@ class ProgramSimulation:
             interaction.last = self._as_they_acted(interaction, forces, rows[forces.touching])
         self._in_step = True
 
+    def _let_go(self) -> None:
+        """Before steps: the textbook's contacts and what they remember are no longer those of now."""
+        if not self._in_step:
+            return
+        nothing = np.empty(0, np.intp)
+        for interaction in self._textbook.interactions:
+            interaction.pairs.replace(nothing, nothing)
+            interaction.last = None
+        self._in_step = False
+
     def _as_they_acted(self, interaction: Interaction, forces: Forces, rows: np.ndarray) -> Forces:
         """Return the forces and memories of the last step in the place of those evaluated now for the pairs `rows`."""
-        c = self._pairs
-        couple = None if forces.couple is None else -np.atleast_2d(c.couple[..., rows])
+        force, couple = self._dimension.contacts.vectors(self._pairs.force[..., rows]), None
+        if forces.couple is not None:
+            couple = -np.atleast_2d(self._pairs.couple[..., rows])
         memory = dict.fromkeys(forces.memory) | interaction.pairs.recall(forces.touching)
-        return replace(forces, force=c.force_on_i(rows), f_n=c.f_n[rows], couple=couple, memory=memory)
+        return replace(forces, force=force, f_n=dot(force, forces.contact.n), couple=couple, memory=memory)
 
     def _hand_pairs_to(self, interaction: Interaction) -> np.ndarray:
         """Give an interaction its pairs and their memories; return which of the program's they are, in its order."""
-        c, rows = self._pairs, self._rows_of(interaction)
-        interaction.pairs.replace(c.i[rows], c.j[rows])
+        i, j, rows = self._pairs_of(interaction)
+        n = normals(self.model, self._textbook.state, i, j)
+        interaction.pairs.replace(i, j)
         for family in interaction.pairs.memory:
-            history = c.history[family][:, rows]
-            interaction.pairs.memory[family] = self._memories[family].to_textbook(c, rows, history)
+            history = self.history[family][:, rows]
+            interaction.pairs.memory[family] = self._memories[family].to_textbook(n, history)
         return rows
 
     def _take_memories(self) -> None:
         """Start from what the textbook remembers after its set-up, which found the same pairs."""
-        c = self._pairs
         for interaction in self._textbook.interactions:
-            rows = self._rows_of(interaction)
+            i, j, rows = self._pairs_of(interaction)
+            n = normals(self.model, self._textbook.state, i, j)
             for family, remembered in interaction.pairs.memory.items():
-                c.history[family][:, rows] = self._memories[family].from_textbook(c, rows, remembered)
-            if "f_n" in c.history:
-                take_last_forces(c, rows[interaction.last.touching], interaction.last)
+                self.history[family][:, rows] = self._memories[family].from_textbook(n, remembered)
+            if "f_n" in self.history:
+                take_last_forces(self.history, rows[interaction.last.touching], interaction.last)
 
-    def _rows_of(self, interaction: Interaction) -> np.ndarray:
-        """Which of the program's pairs an interaction has, in the order of its keys."""
-        c, n = self._pairs, self.model.particle_count
-        mine = c.j < n if interaction.walls is None else np.isin(c.j - n, interaction.walls)
+    def _pairs_of(self, interaction: Interaction) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return i, j of an interaction's pairs, in the order of its keys, and where they are in the program's list."""
+        i, j, n = self._pairs.i, self._pairs.j, self.model.particle_count
+        mine = j < n if interaction.walls is None else np.isin(j - n, interaction.walls)
         rows = np.flatnonzero(mine)
-        return rows[np.argsort(c.keys(self.nodes.count)[rows])]
+        rows = rows[np.lexsort((j[rows], i[rows]))]
+        return i[rows], j[rows], rows
 
 
 def fastest(model: Model) -> Simulation | ProgramSimulation:

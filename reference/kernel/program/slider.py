@@ -107,7 +107,8 @@ class _Slider:
             p.copy(tension, out)
 
     def talk(self) -> None:
-        p, tension, work, test, stuck = self.p, self.tension, self.kind.work, self.kind.new(), self.c.buffer("stuck")
+        p, tension, work = self.p, self.tension, self.kind.work
+        test, stuck = self.kind.buffer("test"), self.c.buffer("stuck")
         damped = self.spring.damping is not None
         self.set_limit()
         self.turn(keep_length=True)

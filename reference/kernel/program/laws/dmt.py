@@ -8,7 +8,7 @@ import numpy as np
 
 from reference.kernel.laws.dmt import DmtNormal
 from reference.kernel.laws.spheres import effective_modulus
-from reference.kernel.program.buffers import empty, lined_up
+from reference.kernel.program.buffers import lined_up
 from reference.kernel.program.contacts import Contacts
 from reference.kernel.program.laws.normal import NormalOperations
 from reference.kernel.program.program import Program
@@ -24,7 +24,7 @@ class Dmt(NormalOperations):
         super().__init__(law, c, keep_elastic=keep_elastic)
         modulus = effective_modulus(law.youngs_modulus, law.poisson_ratio)
         self.unit_stiffness = lined_up(4.0 / 3.0 * modulus * np.sqrt(c.reduced_radius))
-        self.full_pull, self.pull = lined_up(4.0 * math.pi * law.surface_energy * c.reduced_radius), empty(c.count)
+        self.full_pull, self.pull = lined_up(4.0 * math.pi * law.surface_energy * c.reduced_radius), c.buffer("pull")
 
     def elastic(self, p: Program, out: np.ndarray) -> None:
         """out = K sqrt(delta) delta - f_a."""

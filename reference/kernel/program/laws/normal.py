@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from reference.kernel.laws.law import NormalLaw
-from reference.kernel.program.buffers import empty
 from reference.kernel.program.contacts import Contacts
 from reference.kernel.program.program import Program
 
@@ -25,7 +24,7 @@ class NormalOperations:
     def __init__(self, law: NormalLaw, c: Contacts, *, keep_elastic: bool):
         self.law, self.c = law, c
         apart = self.damped and (keep_elastic or self.grips_elastically)
-        self.elastic_force = empty(c.count) if apart else c.f_n
+        self.elastic_force = c.buffer("elastic force") if apart else c.f_n
 
     @classmethod
     def unit(cls, law: NormalLaw) -> float:

@@ -17,7 +17,7 @@ def spring_rolling(law: SpringRolling, s: Setting) -> None:
         damping=law.rolling_damping or None, friction=law.rolling_friction, turns=law.frame == "contact",
     )
     if law.frame == "contact":
-        rate, force = s.rotation.rolling_velocity(p, c), c.tangents.new()
+        rate, force = s.rotation.rolling_velocity(p, c), c.tangents.buffer("rolling force")
         slide(p, c, c.tangents, spring, rate=rate, out=force)
         s.rotation.couple_of(p, c, force)
     else:

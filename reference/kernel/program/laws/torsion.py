@@ -17,5 +17,5 @@ def spring_torsion(law: SpringTorsion, s: Setting) -> None:
     )
     rate, force = c.buffer("twisting"), c.buffer("twist")
     s.rotation.twisting_velocity(p, c, rate)
-    slide(p, c, Numbers(c.b), spring, rate=rate, out=force)
+    slide(p, c, Numbers(c), spring, rate=rate, out=force)
     s.rotation.twist_by(p, c, force, add=s.model.rolling is not None)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from reference.kernel.model import Model
-from reference.kernel.program.buffers import empty, lined_up
+from reference.kernel.program.buffers import lined_up
 from reference.kernel.program.plane.contacts import PlaneContacts
 from reference.kernel.program.plane.nodes import PlaneNodes
 from reference.kernel.program.program import Program
@@ -21,16 +21,14 @@ def overlaps_and_normals(p: Program, model: Model, nodes: PlaneNodes, c: PlaneCo
     """overlap, 0 where nothing touches, and normal = conj(n). masked: touching as well, and there the normal is 0."""
     distance = c.a
     p.effect("normal contact")
-    p.take(nodes.q, c.i, c.normal)
-    p.take(nodes.q, c.j, c.z)
-    p(np.subtract, c.normal, c.z, out=c.normal)
+    _difference(p, nodes.q, c, out=c.normal)
     _nearest_images(p, model, nodes, c)
-    for k, pairs in c.wall_slices.items():
-        _along_wall_normal(p, complex(*model.walls[k].normal), c.normal[pairs], c.z[pairs])
+    for normal, pairs in c.wall_parts(model):
+        _along_wall_normal(p, complex(*normal), c.normal[pairs], c.u[pairs])
     p(np.abs, c.normal, out=distance)
     p(np.subtract, c.radius_sum, distance, out=c.overlap)
     if masked:
-        c.touching, touches = empty(c.count), np.empty(c.count, bool)
+        c.touching, touches = c.buffer("touching"), c.buffer("touches", dtype=bool)
         p(np.greater, c.overlap, 0.0, out=touches)
         p.copy(touches, c.touching)
         p(np.divide, c.touching, distance, out=c.inverse.real)
@@ -42,9 +40,7 @@ def overlaps_and_normals(p: Program, model: Model, nodes: PlaneNodes, c: PlaneCo
 
 def relative_velocities(p: Program, nodes: PlaneNodes, c: PlaneContacts) -> None:
     """u = v_n + i v_t of the centres, 0 where nothing touches because the normal is."""
-    p.take(nodes.c, c.i, c.u)
-    p.take(nodes.c, c.j, c.z)
-    p(np.subtract, c.u, c.z, out=c.u)
+    _difference(p, nodes.c, c, out=c.u)
     p(np.multiply, c.u, c.normal, out=c.u)
 
 
@@ -53,17 +49,28 @@ def sum_forces(p: Program, nodes: PlaneNodes, c: PlaneContacts) -> None:
     p.effect("sum")
     p.copy(c.f_n, c.u.real)
     p.copy(c.shear, c.u.imag)
-    p(np.multiply, c.u, c.normal, out=c.z)
-    p.scatter(np.add, nodes.f, c.i, c.z)
-    p.scatter(np.subtract, nodes.f, c.j, c.z)
+    p(np.multiply, c.u, c.normal, out=c.force)
+    _to_nodes(p, nodes, c)
 
 
 def sum_normal_forces(p: Program, nodes: PlaneNodes, c: PlaneContacts) -> None:
     """The same without tangential forces: f_n is real."""
     p.effect("sum")
-    p(np.multiply, c.normal, c.f_n, out=c.z)
-    p.scatter(np.add, nodes.f, c.i, c.z)
-    p.scatter(np.subtract, nodes.f, c.j, c.z)
+    p(np.multiply, c.normal, c.f_n, out=c.force)
+    _to_nodes(p, nodes, c)
+
+
+def _difference(p: Program, of_nodes: np.ndarray, c: PlaneContacts, out: np.ndarray) -> None:
+    """out = value of i - value of j."""
+    ends = c.ends_buffer("complex ends", complex)
+    p.take(of_nodes, c.ends, ends)
+    p(np.subtract, ends[1], ends[0], out=out)
+
+
+def _to_nodes(p: Program, nodes: PlaneNodes, c: PlaneContacts) -> None:
+    """First to the nodes j, then to the nodes i: so the order at a node is that of the list, block by block."""
+    p.scatter(np.subtract, nodes.f, c.j, c.force)
+    p.scatter(np.add, nodes.f, c.i, c.force)
 
 
 def _nearest_images(p: Program, model: Model, nodes: PlaneNodes, c: PlaneContacts) -> None:

@@ -27,6 +27,7 @@ class PlaneNodes(Nodes):
         self.place_vector = self.q.view(float)
         self.velocity_vector = filled(0.0, 2 * n if spin_unit is None else 3 * n)
         self.force_vector = lined_up(self.velocity_vector)
+        self.work = lined_up(self.velocity_vector)
         self.c, self.f = self.velocity_vector[: 2 * n].view(complex), self.force_vector[: 2 * n].view(complex)
         self.s = None if spin_unit is None else self.velocity_vector[2 * n :]
         self.m = None if spin_unit is None else self.force_vector[2 * n :]
@@ -58,9 +59,15 @@ class PlaneNodes(Nodes):
         if self.turned is not None:
             state.turned[:] = self.turned[:n]
 
-    def places(self) -> np.ndarray:
-        """Return x, (2, n)."""
-        return np.stack([self.q.real, -self.q.imag])
+    def places(self, place_vector: np.ndarray | None = None) -> np.ndarray:
+        """Return x, (2, n), of now or of a copy of `place_vector`."""
+        q = self.q if place_vector is None else place_vector.view(complex)
+        return np.stack([q.real, -q.imag])
+
+    def largest_distance(self, place_vector: np.ndarray) -> float:
+        """Return how far the node is that is furthest from its place in an earlier place vector."""
+        away = (self.place_vector - place_vector).view(complex)
+        return float(np.abs(away).max(initial=0.0))
 
     def half_step_velocities(self) -> tuple[np.ndarray, np.ndarray]:
         """Return v (2, n) and omega (1, n) as the last forces saw them."""

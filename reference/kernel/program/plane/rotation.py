@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from reference.kernel.program.buffers import empty
 from reference.kernel.program.plane.contacts import PlaneContacts
 from reference.kernel.program.plane.nodes import PlaneNodes
 from reference.kernel.program.program import Program
@@ -21,25 +20,26 @@ def slip_and_rolling(
 
     rolling = factor_i s_i - factor_j s_j with what the nodes carry, s.
     """
-    c.spins = empty(2, c.count)
+    spins = c.ends_buffer("ends")
     p.effect("rotation")
-    p.take(nodes.s, c.i, c.spins[0])
-    p.take(nodes.s, c.j, c.spins[1])
+    p.take(nodes.s, c.ends, spins)
     if slips:
-        _slip(p, c, arms)
+        _slip(p, c, spins, arms)
     if factors is not None:
-        c.rolling = empty(c.count)
+        c.rolling = c.buffer("rolling")
         p.effect("relative rotation")
-        p(np.multiply, c.spins, factors, out=c.spins)
-        p(np.subtract, *c.spins, out=c.rolling)
-        p(np.multiply, c.rolling, c.touching, out=c.rolling)
+        p(np.multiply, spins[0], factors[0], out=c.a)
+        p(np.multiply, spins[1], factors[1], out=c.b)
+        p(np.subtract, c.b, c.a, out=c.b)
+        p(np.multiply, c.b, c.touching, out=c.rolling)
 
 
-def _slip(p: Program, c: PlaneContacts, arms: np.ndarray | None) -> None:
-    c.v_t, turning = empty(c.count), c.spins
+def _slip(p: Program, c: PlaneContacts, spins: np.ndarray, arms: np.ndarray | None) -> None:
+    c.v_t, turning = c.buffer("v_t"), spins
     if arms is not None:
-        turning = empty(2, c.count)
-        p(np.multiply, c.spins, arms, out=turning)
+        turning = c.a, c.b
+        p(np.multiply, spins[0], arms[0], out=c.a)
+        p(np.multiply, spins[1], arms[1], out=c.b)
     p(np.add, *turning, out=c.a)
     p(np.multiply, c.a, c.touching, out=c.a)
     p(np.subtract, c.u.imag, c.a, out=c.v_t)
@@ -68,14 +68,14 @@ def sum_torques(p: Program, nodes: PlaneNodes, c: PlaneContacts, arms: np.ndarra
     """Add the moments of shear (arms (2, P), or None without sliding) and the couples to the nodes."""
     if arms is None:
         p.effect("couples")
-        p.scatter(np.subtract, nodes.m, c.i, c.couple)
         p.scatter(np.add, nodes.m, c.j, c.couple)
+        p.scatter(np.subtract, nodes.m, c.i, c.couple)
         return
-    p(np.multiply, c.shear, arms, out=c.spins)
-    if couple:
-        p.effect("couples")
-        p(np.subtract, c.spins[0], c.couple, out=c.spins[0])
-        p(np.add, c.spins[1], c.couple, out=c.spins[1])
-        p.effect("rotation")
-    p.scatter(np.add, nodes.m, c.i, c.spins[0])
-    p.scatter(np.add, nodes.m, c.j, c.spins[1])
+    moments = c.ends_buffer("ends")
+    for arm, moment, add in zip(arms, moments, (np.add, np.subtract), strict=True):
+        p(np.multiply, c.shear, arm, out=moment)
+        if couple:
+            p.effect("couples")
+            p(add, moment, c.couple, out=moment)
+            p.effect("rotation")
+    p.scatter(np.add, nodes.m, c.ends.reshape(-1), moments.reshape(-1))

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from reference.kernel.program.buffers import empty
 from reference.kernel.program.components import Numbers
 from reference.kernel.program.program import Program
 
+if TYPE_CHECKING:
+    from reference.kernel.program.plane.contacts import PlaneContacts
+
 
 class Tangents(Numbers):
-    """Signed numbers along t. normal: (P,) conj(n), of now when the program is composed."""
+    """Signed numbers along t. The contacts' normals are those of now when the program is composed."""
 
-    def __init__(self, normal: np.ndarray, work: np.ndarray):
-        super().__init__(work)
-        self.normal = normal
+    def __init__(self, c: PlaneContacts):
+        super().__init__(c)
+        self.normal = c.normal
         self.turned: np.ndarray | None = None
 
     def turn(self, p: Program, v: np.ndarray, *, keep_length: bool, above: tuple[np.ndarray, float] | None) -> None:
@@ -28,6 +32,6 @@ class Tangents(Numbers):
 
     def _follow(self, p: Program) -> None:
         """turned = n before conj(n)."""
-        before, self.turned = np.conjugate(self.normal), empty(len(self.work), dtype=complex)
+        before, self.turned = np.conjugate(self.normal), self.workspace.rows("turned", self.count, dtype=complex)
         p(np.multiply, before, self.normal, out=self.turned)
         p(np.conjugate, self.normal, out=before)

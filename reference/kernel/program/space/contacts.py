@@ -10,24 +10,25 @@ from reference.kernel.program.space.vectors import Vectors
 
 
 class SpaceContacts(Contacts):
-    """normal, z: (3, P). u: (3, P) velocity of the centres, and at the end the force on i. z is free for work."""
+    """normal, z, force: (3, P). u: (3, P) velocity of the centres, then slip. z is free for work."""
 
     def __init__(self, *args):
         super().__init__(*args)
-        self.normal, self.u, self.z = (empty(3, self.count) for _ in range(3))
-        self.v_n = empty(self.count)
-        self.tangents = Vectors(self.normal, self.z)
+        self.normal, self.u, self.z = (self.buffer(name, 3) for name in ("normal", "u", "z"))
+        self.v_n = self.buffer("v_n")
+        self.tangents = Vectors(self)
 
-    def force_on_i(self, rows: np.ndarray) -> np.ndarray:
-        """Return the force on i in the last step, (3, M)."""
-        return self.u[:, rows]
+    @staticmethod
+    def new_forces(count: int) -> np.ndarray:
+        """Return vectors, (3, P)."""
+        return empty(3, count)
 
-    def spring(self, rows: np.ndarray, tension: np.ndarray) -> np.ndarray:
-        """Return tensions as they are: vectors, (3, M)."""
-        del rows
-        return tension
+    @staticmethod
+    def new_couples(count: int) -> np.ndarray:
+        """Return vectors, (3, P)."""
+        return empty(3, count)
 
-    def tension(self, rows: np.ndarray, spring: np.ndarray) -> np.ndarray:
-        """Return springs as they are: vectors, (3, M)."""
-        del rows
-        return spring
+    @staticmethod
+    def vectors(force: np.ndarray) -> np.ndarray:
+        """Return vectors as they are."""
+        return force

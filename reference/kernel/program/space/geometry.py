@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from reference.kernel.model import Model
-from reference.kernel.program.buffers import empty, lined_up
+from reference.kernel.program.buffers import lined_up
 from reference.kernel.program.program import Program
 from reference.kernel.program.space.contacts import SpaceContacts
 from reference.kernel.program.space.nodes import SpaceNodes
@@ -22,15 +22,15 @@ def overlaps_and_normals(p: Program, model: Model, nodes: SpaceNodes, c: SpaceCo
     """overlap, 0 where nothing touches, and normal. masked: touching as well, and there the normal is 0."""
     distance, inverse = c.a, c.b
     p.effect("normal contact")
-    _differences(p, nodes.x, c, c.normal)
+    _differences(p, nodes.x, c, out=c.normal)
     _nearest_images(p, model, nodes, c)
-    for k, pairs in c.wall_slices.items():
-        _along_wall_normal(p, model.walls[k].normal, c.normal[:, pairs], c.a[pairs], c.b[pairs])
+    for wall_normal, pairs in c.wall_parts(model):
+        _along_wall_normal(p, wall_normal, c.normal[:, pairs], c.a[pairs], c.b[pairs])
     dot(p, c.normal, c.normal, c.z, out=distance)
     p(np.sqrt, distance, out=distance)
     p(np.subtract, c.radius_sum, distance, out=c.overlap)
     if masked:
-        c.touching, touches = empty(c.count), np.empty(c.count, bool)
+        c.touching, touches = c.buffer("touching"), c.buffer("touches", dtype=bool)
         p(np.greater, c.overlap, 0.0, out=touches)
         p.copy(touches, c.touching)
         p(np.divide, c.touching, distance, out=inverse)
@@ -42,7 +42,7 @@ def overlaps_and_normals(p: Program, model: Model, nodes: SpaceNodes, c: SpaceCo
 
 def relative_velocities(p: Program, nodes: SpaceNodes, c: SpaceContacts) -> None:
     """u = v_i - v_j of the centres; v_n, its part along n, 0 where nothing touches because the normal is."""
-    _differences(p, nodes.c, c, c.u)
+    _differences(p, nodes.c, c, out=c.u)
     dot(p, c.u, c.normal, c.z, out=c.v_n)
 
 
@@ -50,28 +50,30 @@ def sum_forces(p: Program, nodes: SpaceNodes, c: SpaceContacts) -> None:
     """Add f_n n - shear to the nodes i and take it from the nodes j."""
     p.effect("sum")
     p(np.multiply, c.normal, c.f_n, out=c.z)
-    p(np.subtract, c.z, c.shear, out=c.u)
-    _to_nodes(p, nodes.f, c, c.u)
+    p(np.subtract, c.z, c.shear, out=c.force)
+    _to_nodes(p, nodes, c)
 
 
 def sum_normal_forces(p: Program, nodes: SpaceNodes, c: SpaceContacts) -> None:
     """The same without tangential forces."""
     p.effect("sum")
-    p(np.multiply, c.normal, c.f_n, out=c.u)
-    _to_nodes(p, nodes.f, c, c.u)
+    p(np.multiply, c.normal, c.f_n, out=c.force)
+    _to_nodes(p, nodes, c)
 
 
 def _differences(p: Program, of_nodes: np.ndarray, c: SpaceContacts, out: np.ndarray) -> None:
+    """out = value of i - value of j, axis by axis."""
+    ends = c.ends_buffer("ends")
     for axis in range(3):
-        p.take(of_nodes[axis], c.i, out[axis])
-        p.take(of_nodes[axis], c.j, c.z[axis])
-    p(np.subtract, out, c.z, out=out)
+        p.take(of_nodes[axis], c.ends, ends)
+        p(np.subtract, ends[1], ends[0], out=out[axis])
 
 
-def _to_nodes(p: Program, nodes: np.ndarray, c: SpaceContacts, values: np.ndarray) -> None:
+def _to_nodes(p: Program, nodes: SpaceNodes, c: SpaceContacts) -> None:
+    """First to the nodes j, then to the nodes i: so the order at a node is that of the list, block by block."""
     for axis in range(3):
-        p.scatter(np.add, nodes[axis], c.i, values[axis])
-        p.scatter(np.subtract, nodes[axis], c.j, values[axis])
+        p.scatter(np.subtract, nodes.f[axis], c.j, c.force[axis])
+        p.scatter(np.add, nodes.f[axis], c.i, c.force[axis])
 
 
 def _nearest_images(p: Program, model: Model, nodes: SpaceNodes, c: SpaceContacts) -> None:

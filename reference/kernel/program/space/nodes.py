@@ -8,6 +8,7 @@ from reference.kernel.model import Model
 from reference.kernel.program.buffers import filled, lined_up
 from reference.kernel.program.nodes import Nodes
 from reference.kernel.state import State
+from reference.kernel.vectors import norm
 
 
 class SpaceNodes(Nodes):
@@ -20,6 +21,7 @@ class SpaceNodes(Nodes):
         self.x = self.place_vector.reshape(3, n)
         self.velocity_vector = filled(0.0, 3 * n if spin_unit is None else 6 * n)
         self.force_vector = lined_up(self.velocity_vector)
+        self.work = lined_up(self.velocity_vector)
         self.c, self.f = (a[: 3 * n].reshape(3, n) for a in (self.velocity_vector, self.force_vector))
         turning = (None, None) if spin_unit is None else (
             a[3 * n :].reshape(3, n) for a in (self.velocity_vector, self.force_vector))
@@ -45,9 +47,14 @@ class SpaceNodes(Nodes):
         if state.torque is not None:
             state.torque[:] = self.m
 
-    def places(self) -> np.ndarray:
-        """Return x, (3, n)."""
-        return self.x.copy()
+    def places(self, place_vector: np.ndarray | None = None) -> np.ndarray:
+        """Return x, (3, n), of now or of a copy of `place_vector`."""
+        return self.x.copy() if place_vector is None else place_vector.reshape(3, -1)
+
+    def largest_distance(self, place_vector: np.ndarray) -> float:
+        """Return how far the node is that is furthest from its place in an earlier place vector."""
+        away = (self.place_vector - place_vector).reshape(3, -1)
+        return float(norm(away).max(initial=0.0))
 
     def half_step_velocities(self) -> tuple[np.ndarray, np.ndarray]:
         """Return v and omega, (3, n), as the last forces saw them."""

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from reference.kernel.program.buffers import empty
 from reference.kernel.program.program import Program
 from reference.kernel.program.space.contacts import SpaceContacts
 from reference.kernel.program.space.nodes import SpaceNodes
@@ -22,36 +21,33 @@ def slip_and_rolling(
 
     rolling = factor_i s_i - factor_j s_j with what the nodes carry, s. Axis by axis, to stay in the cache.
     """
-    turning, at_i, at_j = c.tangents.work, c.a, c.b
+    turning, spins = c.tangents.work, c.ends_buffer("ends")
     if factors is not None:
-        c.rolling = empty(3, c.count)
+        c.rolling = c.buffer("rolling", 3)
     for axis in range(3):
         p.effect("rotation")
-        p.take(nodes.s[axis], c.i, at_i)
-        p.take(nodes.s[axis], c.j, at_j)
+        p.take(nodes.s[axis], c.ends, spins)
         if slips:
-            _add_ends(p, c, at_i, at_j, arms, out=turning[axis])
+            _add_ends(p, c, spins, arms, out=turning[axis])
         if factors is not None:
             p.effect("relative rotation")
-            p(np.multiply, at_i, factors[0], out=at_i)
-            p(np.multiply, at_j, factors[1], out=at_j)
-            p(np.subtract, at_i, at_j, out=at_i)
-            p(np.multiply, at_i, c.touching, out=c.rolling[axis])
+            p(np.multiply, spins[0], factors[0], out=c.a)
+            p(np.multiply, spins[1], factors[1], out=c.b)
+            p(np.subtract, c.b, c.a, out=c.b)
+            p(np.multiply, c.b, c.touching, out=c.rolling[axis])
     p.effect("rotation")
     if slips:
         _slip(p, c, turning)
 
 
-def _add_ends(
-    p: Program, c: SpaceContacts, at_i: np.ndarray, at_j: np.ndarray, arms: np.ndarray | None, out: np.ndarray
-) -> None:
-    """out = arm_i s_i + arm_j s_j."""
+def _add_ends(p: Program, c: SpaceContacts, spins: np.ndarray, arms: np.ndarray | None, out: np.ndarray) -> None:
+    """out = sum of arm times spin; with arms None of the spins."""
     if arms is None:
-        p(np.add, at_i, at_j, out=out)
+        p(np.add, *spins, out=out)
         return
-    p(np.multiply, at_i, arms[0], out=out)
-    p(np.multiply, at_j, arms[1], out=c.z[0])
-    p(np.add, out, c.z[0], out=out)
+    p(np.multiply, spins[0], arms[0], out=c.a)
+    p(np.multiply, spins[1], arms[1], out=out)
+    p(np.add, out, c.a, out=out)
 
 
 def _slip(p: Program, c: SpaceContacts, turning: np.ndarray) -> None:
@@ -68,7 +64,7 @@ def _slip(p: Program, c: SpaceContacts, turning: np.ndarray) -> None:
 
 def rolling_velocity(p: Program, c: SpaceContacts) -> np.ndarray:
     """Return a* (omega_i - omega_j) x n."""
-    velocity = empty(3, c.count)
+    velocity = c.buffer("rolling velocity", 3)
     cross(p, c.rolling, c.normal, c.a, out=velocity)
     return velocity
 
@@ -80,7 +76,7 @@ def twisting_velocity(p: Program, c: SpaceContacts, out: np.ndarray) -> None:
 
 def across(p: Program, c: SpaceContacts, v: np.ndarray) -> np.ndarray:
     """Return v - (n.v) n."""
-    part = empty(3, c.count)
+    part = c.buffer("part across", 3)
     dot(p, v, c.normal, c.z, out=c.a)
     p(np.multiply, c.normal, c.a, out=c.z)
     p(np.subtract, v, c.z, out=part)
@@ -105,12 +101,12 @@ def sum_torques(p: Program, nodes: SpaceNodes, c: SpaceContacts, arms: np.ndarra
     """Add the moments of shear (arms (2, P), or None without sliding) and the couples to the nodes."""
     if arms is None:
         p.effect("couples")
-        _to_nodes(p, nodes, np.subtract, c.i, c.couple)
         _to_nodes(p, nodes, np.add, c.j, c.couple)
+        _to_nodes(p, nodes, np.subtract, c.i, c.couple)
         return
-    moment, of_end, signs = c.tangents.work, c.z, (np.subtract, np.add)
-    cross(p, c.u, c.normal, c.a, out=moment)
-    for index, arm, add in zip((c.i, c.j), arms, signs, strict=True):
+    moment, of_end, signs = c.tangents.work, c.z, (np.add, np.subtract)
+    cross(p, c.force, c.normal, c.a, out=moment)
+    for index, arm, add in zip((c.j, c.i), arms, signs, strict=True):
         p(np.multiply, moment, arm, out=of_end)
         if couple:
             p.effect("couples")

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from reference.kernel.program.buffers import empty
 from reference.kernel.program.components import TINY
 from reference.kernel.program.program import Program
+
+if TYPE_CHECKING:
+    from reference.kernel.program.space.contacts import SpaceContacts
 
 CYCLIC = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
 
@@ -29,16 +33,14 @@ def cross(p: Program, u: np.ndarray, v: np.ndarray, work: np.ndarray, out: np.nd
 class Vectors:
     """Vectors in the tangent plane, whose springs are turned into it step by step."""
 
-    def __init__(self, normal: np.ndarray, z: np.ndarray):
-        """normal: (3, P) of the step. z: (3, P) work."""
-        self.normal, self.z = normal, z
-        self.count = normal.shape[1]
-        self.work = empty(3, self.count)
-        self.along, self.squared = empty(self.count), empty(self.count)
+    def __init__(self, c: SpaceContacts):
+        self.workspace, self.count, self.normal, self.z = c.workspace, c.count, c.normal, c.z
+        self.work = c.buffer("work", 3)
+        self.along, self.squared = c.buffer("along"), c.buffer("squared")
 
-    def new(self) -> np.ndarray:
-        """Return a (3, P) buffer."""
-        return empty(3, self.count)
+    def buffer(self, name: str) -> np.ndarray:
+        """Return the (3, P) buffer of that name."""
+        return self.workspace.rows(name, 3, self.count)
 
     def size(self, p: Program, v: np.ndarray, out: np.ndarray) -> None:
         """out = |v|."""
