@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from harness.scene.model import (
-    Background,
+from harness.scene.contact import (
     ConstantRolling,
     DmtNormal,
     HertzNormal,
@@ -21,6 +20,7 @@ from harness.scene.model import (
     VariableHystereticNormal,
     ViscousSliding,
 )
+from harness.scene.model import Background
 from harness.scene.system import Constant, Cosine, Loaded, Particles, System, Wall
 
 RADIUS, SIDE = 1e-3, 0.02

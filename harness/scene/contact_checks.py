@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from harness.scene.fault import Fault
-from harness.scene.laws import turning, word
-from harness.scene.model import (
+from harness.scene.contact import (
     HertzNormal,
     HystereticNormal,
     MindlinSliding,
-    Scene,
     SpringSliding,
     VariableHystereticNormal,
 )
+from harness.scene.fault import Fault
+from harness.scene.laws import turning, word
+from harness.scene.model import Scene
 
 
 def sliding_is_on(scene: Scene) -> Iterator[Fault]:

@@ -10,23 +10,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import get_args
 
+from harness.scene.contact import NormalLaw, RollingLaw, SlidingLaw, SpringSliding, SpringTorsion
 from harness.scene.fault import show
 from harness.scene.laws import NORMAL, TANGENTIAL, normal_row, turning, word
-from harness.scene.model import (
-    Background,
-    Biaxial,
-    ConstantMotion,
-    CosineMotion,
-    LoadedMotion,
-    NormalLaw,
-    RollingLaw,
-    Scene,
-    SlidingLaw,
-    SpringSliding,
-    SpringTorsion,
-    Table,
-)
+from harness.scene.model import Background, Biaxial, ConstantMotion, CosineMotion, LoadedMotion, Scene
 from harness.scene.system import Constant, Cosine, Loaded, System
+from harness.scene.tables import Table
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,8 +10,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from harness.scene.grains import Pair
-from harness.scene.model import (
+from harness.scene.contact import (
     DmtNormal,
     HertzNormal,
     HystereticNormal,
@@ -19,6 +18,7 @@ from harness.scene.model import (
     LinearNormal,
     VariableHystereticNormal,
 )
+from harness.scene.grains import Pair
 from reference.analytic.adhesive_collision import DmtCollision, JkrCollision
 from reference.analytic.hertz_collision import (
     HertzCollision,

@@ -14,9 +14,7 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 from harness.scene import law_scales
-from harness.scene.grains import Pair
-from harness.scene.law_scales import HeadOn
-from harness.scene.model import (
+from harness.scene.contact import (
     ConstantRolling,
     DmtNormal,
     HertzNormal,
@@ -30,10 +28,12 @@ from harness.scene.model import (
     SpringRolling,
     SpringSliding,
     SpringTorsion,
-    Table,
     VariableHystereticNormal,
     ViscousSliding,
 )
+from harness.scene.grains import Pair
+from harness.scene.law_scales import HeadOn
+from harness.scene.tables import Table
 
 
 class Turning(Protocol):

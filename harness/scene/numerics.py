@@ -6,10 +6,11 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from harness.scene.contact import Contact, NormalLaw
 from harness.scene.fault import Fault
 from harness.scene.grains import Grains
 from harness.scene.laws import Springs, head_on, tangential_springs
-from harness.scene.model import Biaxial, Contact, LoadedMotion, NormalLaw, Scene, SideWall
+from harness.scene.model import Biaxial, LoadedMotion, Scene, SideWall
 
 MOST_STEPS = 2_000_000_000
 """Step counters of the engines are 32-bit integers."""

@@ -13,7 +13,8 @@ from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 
-from harness.scene.model import Background, NormalLaw, RollingLaw, SlidingLaw, SpringTorsion
+from harness.scene.contact import NormalLaw, RollingLaw, SlidingLaw, SpringTorsion
+from harness.scene.model import Background
 
 INERTIA_FACTOR = {"sphere": 0.4, "disc": 0.5, "ring": 1.0}
 """q in I = q m a^2."""

@@ -7,7 +7,8 @@ import pytest
 
 from harness.engines.registry import ENGINES
 from harness.runs.sanity import find_fault
-from harness.scene.model import Background, LinearNormal, SpringSliding
+from harness.scene.contact import LinearNormal, SpringSliding
+from harness.scene.model import Background
 from harness.scene.system import Cosine, Loaded, Particles, System, Wall
 
 SLIDING = SpringSliding(shear_friction=0.3, shear_stiffness=3e3, shear_damping=0.2)

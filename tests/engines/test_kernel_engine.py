@@ -12,8 +12,9 @@ import pytest
 from harness.engines.kernel import KERNELS
 from harness.engines.kernel.deck import render_deck
 from harness.engines.protocol import PATH_FILE, REACTION_FILE, takes
+from harness.scene.contact import JkrNormal, LinearNormal, SpringSliding
 from harness.scene.effects import effects_on
-from harness.scene.model import Background, JkrNormal, LinearNormal, SpringSliding
+from harness.scene.model import Background
 from harness.scene.system import Constant, Cosine, Loaded, Particles, System, Wall
 from postproc.trajectory import ReadError
 from reference.kernel import model as kernel_model

@@ -10,7 +10,7 @@ import pytest
 from harness.engines.benches import BENCHES
 from harness.engines.child import one_thread_env
 from harness.engines.session import Lost, Session
-from harness.scene.model import HertzNormal, LinearNormal, SpringRolling, SpringSliding
+from harness.scene.contact import HertzNormal, LinearNormal, SpringRolling, SpringSliding
 from harness.studies.bench.cases import MEAN_RADIUS, find_case
 from harness.studies.bench.measure import SAME, WARM_STEPS, distance
 from harness.studies.bench.problem import problem

@@ -12,7 +12,7 @@ import pytest
 
 from harness.engines.child import last_step, run_child
 from harness.engines.protocol import Probe, RunResult, Support
-from harness.scene.model import LinearNormal
+from harness.scene.contact import LinearNormal
 from harness.scene.system import Particles, System, Wall
 from postproc.snapshot import Columns, Snapshot
 from postproc.trajectory import ReadError, Trajectory

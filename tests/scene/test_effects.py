@@ -5,8 +5,8 @@ from typing import get_args
 import numpy as np
 import pytest
 
+from harness.scene.contact import NormalLaw, RollingLaw, SlidingLaw
 from harness.scene.effects import EFFECT_NAMES, EFFECTS, effects, effects_on
-from harness.scene.model import NormalLaw, RollingLaw, SlidingLaw
 from harness.scene.resolve import resolve, resolve_biaxial
 
 LOADED = {"kind": "loaded", "mass": 1e-3, "load": 1.0}

@@ -6,9 +6,9 @@ import msgspec
 import numpy as np
 import pytest
 
+from harness.scene.contact import Contact, NormalLaw
 from harness.scene.grains import Pair
 from harness.scene.laws import head_on
-from harness.scene.model import Contact, NormalLaw
 from reference.kernel.conventions import TALK
 from reference.kernel.laws.contact import Touching
 from reference.kernel.laws.registry import build_law

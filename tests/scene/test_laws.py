@@ -5,6 +5,17 @@ import math
 import msgspec
 import pytest
 
+from harness.scene.contact import (
+    ConstantRolling,
+    Contact,
+    MindlinSliding,
+    NormalLaw,
+    RollingLaw,
+    SlidingLaw,
+    SpringSliding,
+    SpringTorsion,
+    ViscousSliding,
+)
 from harness.scene.grains import Pair
 from harness.scene.law_scales import HeadOn
 from harness.scene.laws import (
@@ -17,17 +28,6 @@ from harness.scene.laws import (
     tangential_springs,
     turning,
     word,
-)
-from harness.scene.model import (
-    ConstantRolling,
-    Contact,
-    MindlinSliding,
-    NormalLaw,
-    RollingLaw,
-    SlidingLaw,
-    SpringSliding,
-    SpringTorsion,
-    ViscousSliding,
 )
 
 PAIR = Pair(name="a", reduced_mass=4e-6, reduced_radius=0.7e-3)

@@ -5,9 +5,10 @@ import math
 import numpy as np
 import pytest
 
+from harness.scene.contact import Contact, LinearNormal, SpringRolling, SpringSliding, SpringTorsion
 from harness.scene.derived import derive
 from harness.scene.grains import Grains, Pair, grains_of
-from harness.scene.model import Biaxial, Contact, LinearNormal, SpringRolling, SpringSliding, SpringTorsion
+from harness.scene.model import Biaxial
 from harness.scene.numerics import leapfrog_limit, plan_steps, stability_limit
 from harness.scene.resolve import resolve
 

@@ -25,7 +25,7 @@ from harness.engines.lammps.packing import packing_data
 from harness.engines.rounds import core_word
 from harness.engines.text import number, numbers
 from harness.engines.timed import refused
-from harness.scene.model import LinearNormal, SpringSliding
+from harness.scene.contact import LinearNormal, SpringSliding
 
 if TYPE_CHECKING:
     from harness.engines.protocol import Probe

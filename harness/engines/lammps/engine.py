@@ -18,7 +18,7 @@ from harness.engines.lammps.output import SERIES
 from harness.engines.lammps.support import judge
 from harness.engines.lammps.wheel import INSTALL, mpi_library
 from harness.engines.protocol import Defect, Probe, RunResult, Support
-from harness.scene.model import JkrNormal
+from harness.scene.contact import JkrNormal
 from harness.scene.system import Constant
 
 if TYPE_CHECKING:

@@ -18,8 +18,8 @@ from harness.engines.lammps.law import (
 )
 from harness.engines.lammps.packing import INTEGRATORS
 from harness.engines.protocol import Level, Support
+from harness.scene.contact import DmtNormal, JkrNormal
 from harness.scene.effects import effects_on
-from harness.scene.model import DmtNormal, JkrNormal
 from harness.scene.system import INERTIA_FACTOR, Constant, System
 
 NOTES: dict[str, tuple[Level, str]] = {

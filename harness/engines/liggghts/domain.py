@@ -14,7 +14,7 @@ import numpy as np
 
 from harness.engines.facts import is_periodic, rotates, walls_across
 from harness.engines.liggghts.planes import anchor, is_still, mesh_velocity, meshes, reach
-from harness.scene.model import HertzNormal, LinearNormal, NormalLaw
+from harness.scene.contact import HertzNormal, LinearNormal, NormalLaw
 from harness.scene.system import INERTIA_FACTOR, Constant, Cosine, Loaded, System, Wall
 
 ROOM_IN_RADII = 4.0

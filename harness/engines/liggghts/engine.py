@@ -23,7 +23,7 @@ from harness.engines.liggghts.output import SERIES
 from harness.engines.liggghts.planes import is_primitive, is_still, meshes
 from harness.engines.liggghts.support import supports
 from harness.engines.protocol import Defect, Probe, RunResult, Support
-from harness.scene.model import HertzNormal, HystereticNormal, VariableHystereticNormal
+from harness.scene.contact import HertzNormal, HystereticNormal, VariableHystereticNormal
 from harness.scene.system import Constant
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ from harness.engines.liggghts.law import judgements, observation_moves, too_many
 from harness.engines.liggghts.law.words import Judgement, equivalent, exact
 from harness.engines.liggghts.planes import across_axis, is_still, meshes, slip_velocity
 from harness.engines.protocol import Support
+from harness.scene.contact import ViscousSliding
 from harness.scene.effects import effects_on
-from harness.scene.model import ViscousSliding
 from harness.scene.system import INERTIA_FACTOR, Loaded, System, Wall
 
 COIN = (

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from harness.scene.model import (
-    Background,
+from harness.scene.contact import (
     HystereticNormal,
     LinearNormal,
     NormalLaw,
@@ -14,6 +13,7 @@ from harness.scene.model import (
     SpringRolling,
     SpringSliding,
 )
+from harness.scene.model import Background
 from reference.analytic.linear_collision import damping_for_restitution
 
 STIFFNESS, MASS, MEAN_RADIUS = 1e5, 8e-6, 1e-3

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from harness.scene.model import (
+from harness.scene.contact import (
     ConstantRolling,
     DmtNormal,
     HertzNormal,

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from harness.scene.model import (
+from harness.scene.contact import (
     ConstantRolling,
     DmtNormal,
     HertzNormal,

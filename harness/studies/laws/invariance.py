@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from harness.scene.model import ConstantRolling, MindlinSliding, SpringRolling, SpringSliding
+from harness.scene.contact import ConstantRolling, MindlinSliding, SpringRolling, SpringSliding
 
 if TYPE_CHECKING:
     from harness.studies.laws.cases import Laws

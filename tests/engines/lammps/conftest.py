@@ -10,7 +10,7 @@ import pytest
 
 from harness.engines.lammps import LAMMPS
 from harness.engines.protocol import Prescribed
-from harness.scene.model import HertzNormal, JkrNormal, LinearNormal, SpringSliding, ViscousSliding
+from harness.scene.contact import HertzNormal, JkrNormal, LinearNormal, SpringSliding, ViscousSliding
 from harness.scene.system import Constant, Cosine, Loaded, Particles, System, Wall
 
 SLIDING = SpringSliding(shear_friction=0.4, shear_stiffness=3e3, shear_damping=0.2)

@@ -7,7 +7,8 @@ import pytest
 
 from harness.engines.lammps import LAMMPS
 from harness.engines.lammps.law import damping_and_ratio, pair_law
-from harness.scene.model import Background, LinearNormal, SpringSliding
+from harness.scene.contact import LinearNormal, SpringSliding
+from harness.scene.model import Background
 from harness.scene.system import Constant, Cosine, Loaded, Wall
 
 

@@ -10,7 +10,7 @@ from harness.engines.lammps import LAMMPS
 from harness.engines.lammps.law import NORMAL, ROLLING, SLIDING, TORSION
 from harness.engines.protocol import PATH_FILE, REACTION_FILE, Prescribed
 from harness.engines.registry import ENGINES
-from harness.scene.model import (
+from harness.scene.contact import (
     ConstantRolling,
     DmtNormal,
     HertzNormal,
@@ -310,11 +310,11 @@ def test_restitution_of_jkr_is_that_of_its_tearing(speed, tmp_path, make_system,
 def test_every_law_of_the_scene_is_judged():
     from typing import get_args
 
-    from harness.scene import model
+    from harness.scene import contact
 
-    assert set(NORMAL) == set(get_args(model.NormalLaw))
-    assert set(SLIDING) == set(get_args(model.SlidingLaw))
-    assert set(ROLLING) == set(get_args(model.RollingLaw))
+    assert set(NORMAL) == set(get_args(contact.NormalLaw))
+    assert set(SLIDING) == set(get_args(contact.SlidingLaw))
+    assert set(ROLLING) == set(get_args(contact.RollingLaw))
     assert set(TORSION) == {SpringTorsion}
 
 

@@ -5,8 +5,7 @@ import pytest
 
 from harness.engines.lammps import LAMMPS
 from harness.engines.protocol import takes
-from harness.scene.model import (
-    Background,
+from harness.scene.contact import (
     DmtNormal,
     HertzNormal,
     JkrNormal,
@@ -17,6 +16,7 @@ from harness.scene.model import (
     SpringTorsion,
     ViscousSliding,
 )
+from harness.scene.model import Background
 from harness.scene.system import Constant, Cosine, Loaded
 
 TOLERANCE = 1e-12

@@ -10,7 +10,7 @@ import pytest
 from harness.engines.liggghts import LIGGGHTS
 from harness.engines.protocol import PATH_FILE, REACTION_FILE, Prescribed, Reaction
 from harness.engines.registry import ENGINES
-from harness.scene.model import LinearNormal, SpringSliding
+from harness.scene.contact import LinearNormal, SpringSliding
 from harness.scene.system import Constant, Cosine, Loaded, Particles, System, Wall
 from reference.kernel.deck import read_deck
 from reference.kernel.prescribed import driven

@@ -11,7 +11,7 @@ import pytest
 from harness.engines.liggghts import LIGGGHTS, defects
 from harness.engines.liggghts.deck import INPUT
 from harness.engines.protocol import Prescribed
-from harness.scene.model import HystereticNormal, LinearNormal, SpringRolling, SpringSliding
+from harness.scene.contact import HystereticNormal, LinearNormal, SpringRolling, SpringSliding
 from harness.scene.system import Constant, Loaded
 
 pytestmark = pytest.mark.needs_liggghts

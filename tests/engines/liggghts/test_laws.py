@@ -11,7 +11,7 @@ import pytest
 from harness.engines.liggghts import LIGGGHTS
 from harness.engines.liggghts.deck import INPUT
 from harness.engines.protocol import Prescribed
-from harness.scene.model import (
+from harness.scene.contact import (
     ConstantRolling,
     HertzNormal,
     HystereticNormal,

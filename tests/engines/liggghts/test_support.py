@@ -11,7 +11,7 @@ from harness.engines.liggghts import LIGGGHTS
 from harness.engines.liggghts.law.dashpot import FAINT, damping, restitution
 from harness.engines.liggghts.law.kinds import MOST_BODIES
 from harness.engines.protocol import PATH_FILE, REFUSED
-from harness.scene.model import (
+from harness.scene.contact import (
     ConstantRolling,
     DmtNormal,
     HertzNormal,

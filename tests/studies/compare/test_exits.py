@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.scene.model import LinearNormal
+from harness.scene.contact import LinearNormal
 from harness.scene.system import Constant, Particles, System, Wall
 from harness.studies.compare.exits import exit_values
 from postproc.snapshot import Columns, Snapshot

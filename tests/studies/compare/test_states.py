@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from harness.scene.model import HystereticNormal, SpringRolling, ViscousSliding
+from harness.scene.contact import HystereticNormal, SpringRolling, ViscousSliding
 from harness.studies.compare.states import OF_THE_OVERLAP, SHOWN, frame_averages, state_curves
 
 

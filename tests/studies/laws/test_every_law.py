@@ -5,7 +5,7 @@ from typing import get_args
 import pytest
 
 from harness.engines.registry import ENGINES
-from harness.scene import model
+from harness.scene import contact
 from harness.studies.laws.arrangement import arrangement
 from harness.studies.laws.cases import CASES
 from harness.studies.laws.collisions import MEASURES, collision_system
@@ -46,7 +46,7 @@ def parts(laws) -> list[tuple[str, int]]:
 
 
 def test_every_law_of_the_scene_is_proven_in_some_combination():
-    for family, union in (("normal", model.NormalLaw), ("sliding", model.SlidingLaw), ("rolling", model.RollingLaw)):
+    for family, union in (("normal", contact.NormalLaw), ("sliding", contact.SlidingLaw), ("rolling", contact.RollingLaw)):
         assert {type(getattr(laws, family)) for laws in CASES.values()} - {type(None)} == set(get_args(union))
     assert any(laws.torsion for laws in CASES.values())
     assert {getattr(laws.normal, "attraction", "") for laws in CASES.values()} >= {"allowed", "clipped"}

@@ -7,7 +7,7 @@ from harness.engines.lammps.law.couples import ROLLING, TORSION, pair_radius, wa
 from harness.engines.lammps.law.normal import NORMAL, clip_words
 from harness.engines.lammps.law.sliding import SLIDING, SMOOTH, constant_damping
 from harness.engines.text import number
-from harness.scene.model import MindlinSliding, SlidingLaw, SpringSliding
+from harness.scene.contact import MindlinSliding, SlidingLaw, SpringSliding
 from harness.scene.system import System, Wall
 
 NO_LIMIT = 1e30

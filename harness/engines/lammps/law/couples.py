@@ -10,7 +10,7 @@ import numpy as np
 from harness.engines.facts import is_rough
 from harness.engines.lammps.law.row import Row, missing
 from harness.engines.text import numbers
-from harness.scene.model import ConstantRolling, SpringRolling, SpringTorsion
+from harness.scene.contact import ConstantRolling, SpringRolling, SpringTorsion
 from harness.scene.system import System
 
 

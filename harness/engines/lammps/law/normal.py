@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from harness.engines.lammps.law.row import Row, missing
 from harness.engines.text import number
-from harness.scene.model import (
+from harness.scene.contact import (
     DmtNormal,
     HertzNormal,
     HystereticNormal,

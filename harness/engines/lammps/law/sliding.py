@@ -7,7 +7,14 @@ import math
 from harness.engines.lammps.law.normal import damping_ratio
 from harness.engines.lammps.law.row import Row
 from harness.engines.text import number
-from harness.scene.model import HertzNormal, MindlinSliding, NormalLaw, SlidingLaw, SpringSliding, ViscousSliding
+from harness.scene.contact import (
+    HertzNormal,
+    MindlinSliding,
+    NormalLaw,
+    SlidingLaw,
+    SpringSliding,
+    ViscousSliding,
+)
 
 SMOOTH = "linear_nohistory 0 0"
 """No tangential force: pair granular insists on a tangential model, this one has no history."""

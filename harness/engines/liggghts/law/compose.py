@@ -11,7 +11,7 @@ from harness.engines.liggghts.law.kinds import MOST_BODIES, bodies, kinds, type_
 from harness.engines.liggghts.law.normal import HARDEST, NORMAL, SOFTEST
 from harness.engines.liggghts.law.sliding import SLIDING
 from harness.engines.liggghts.law.words import Constant, Judgement, Words
-from harness.scene.model import HertzNormal
+from harness.scene.contact import HertzNormal
 from harness.scene.system import System, Wall
 
 

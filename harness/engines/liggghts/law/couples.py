@@ -22,7 +22,14 @@ from harness.engines.liggghts.law.dashpot import FAINT, damping, rolling_ratio
 from harness.engines.liggghts.law.kinds import Kind, reduced
 from harness.engines.liggghts.law.sliding import HYSTERETIC
 from harness.engines.liggghts.law.words import Constant, Judgement, Words, equivalent, exact, unsupported
-from harness.scene.model import ConstantRolling, HertzNormal, LinearNormal, SpringRolling, SpringSliding, SpringTorsion
+from harness.scene.contact import (
+    ConstantRolling,
+    HertzNormal,
+    LinearNormal,
+    SpringRolling,
+    SpringSliding,
+    SpringTorsion,
+)
 from harness.scene.overlaps import initial_overlaps
 from harness.scene.system import System
 

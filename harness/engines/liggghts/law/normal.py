@@ -7,7 +7,7 @@ from collections.abc import Callable
 from harness.engines.liggghts.law.dashpot import LEAST_RESTITUTION, pair_restitution
 from harness.engines.liggghts.law.kinds import MOST_BODIES, Kind, kinds
 from harness.engines.liggghts.law.words import Constant, Judgement, Words, exact, unsupported
-from harness.scene.model import (
+from harness.scene.contact import (
     DmtNormal,
     HertzNormal,
     HystereticNormal,

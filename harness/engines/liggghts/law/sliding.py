@@ -7,7 +7,7 @@ from collections.abc import Callable
 from harness.engines.liggghts.law.dashpot import damping, pair_restitution
 from harness.engines.liggghts.law.kinds import Kind, reduced
 from harness.engines.liggghts.law.words import Constant, Judgement, Words, equivalent, unsupported
-from harness.scene.model import (
+from harness.scene.contact import (
     HertzNormal,
     HystereticNormal,
     LinearNormal,
