@@ -46,7 +46,8 @@ def parts(laws) -> list[tuple[str, int]]:
 
 
 def test_every_law_of_the_scene_is_proven_in_some_combination():
-    for family, union in (("normal", contact.NormalLaw), ("sliding", contact.SlidingLaw), ("rolling", contact.RollingLaw)):
+    unions = {"normal": contact.NormalLaw, "sliding": contact.SlidingLaw, "rolling": contact.RollingLaw}
+    for family, union in unions.items():
         assert {type(getattr(laws, family)) for laws in CASES.values()} - {type(None)} == set(get_args(union))
     assert any(laws.torsion for laws in CASES.values())
     assert {getattr(laws.normal, "attraction", "") for laws in CASES.values()} >= {"allowed", "clipped"}
