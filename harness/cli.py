@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from harness import __version__
-from harness.errors import InputError
+from harness.errors import InputError, system_line
 
 LONGEST_LIMIT = 1e8
 """Seconds, three years: beyond, a time limit is a slip, and timers overflow."""
@@ -57,7 +57,8 @@ def _complain(error: Exception) -> None:
     """Print one line that a terminal cannot be harmed by, whatever the user's words were."""
     from harness.scene.fault import printable
 
-    print(f"grainproof: {printable(str(error))}", file=sys.stderr)
+    line = system_line(error) if isinstance(error, OSError) else str(error)
+    print(f"grainproof: {printable(line)}", file=sys.stderr)
 
 
 class OneLineParser(argparse.ArgumentParser):
@@ -116,7 +117,7 @@ def _run_verb(verbs) -> None:
 def _compare_verb(verbs) -> None:
     verb = _add(verbs, "compare", _compare, "all engines, same packings, verdicts and report")
     verb.add_argument("file", type=Path, metavar="FILE")
-    verb.add_argument("--engines", default="lammps,liggghts,kernel", metavar="A,B", help="default: %(default)s")
+    verb.add_argument("--engines", metavar="A,B", help="default: lammps,liggghts,kernel")
     verb.add_argument("--packings", type=_count, metavar="N", help="random packings; default: as the scene says")
     verb.add_argument("--workers", type=_count, metavar="N", help="runs at a time; default: the number of cores")
     _add_run_options(verb)
@@ -185,7 +186,7 @@ def _decks(options) -> int:
 
     ours = options.out is None
     folder = default_decks_folder() if ours else options.out
-    decks, whole = rendered_decks(options.files or shipped_scenes()), ours and not options.files
+    decks, whole = rendered_decks(options.files or shipped_scenes(), flowed=not ours), ours and not options.files
     if options.check:
         rows = check_decks(decks, folder, whole=whole)
     else:
@@ -208,12 +209,14 @@ def _run(options) -> int:
 
 
 def _compare(options) -> int:
-    from harness.engines.registry import choose_engines
-    from harness.report.compare import compare_answer, summary, write_report
+    from harness.engines.registry import USUAL, choose_engines
+    from harness.report.compare import check_report_places, compare_answer, summary, write_report
     from harness.runs.progress import progress_for
     from harness.studies.compare import compare
 
-    engines = choose_engines([w for w in options.engines.split(",") if w])
+    engines = choose_engines(list(USUAL) if options.engines is None else [w for w in options.engines.split(",") if w])
+    check_report_places(options.out)
+    _announce(options, engines)
     comparison = compare(
         options.file, engines, options.out, packings=options.packings, time_limit=options.time_limit,
         workers=options.workers, progress=progress_for,
@@ -223,6 +226,22 @@ def _compare(options) -> int:
     if options.json != "-":
         print(f"{summary(comparison)}\nreport: {written.page}")
     return comparison.exit_status
+
+
+def _announce(options, engines) -> None:
+    """Say on standard error how long a comparison is expected to take, before anything is made."""
+    from harness.report.expected import expected_comparison, likely_system
+    from harness.scene.explain import time_row
+    from harness.scene.load import load_scene
+    from harness.studies.prepare import start_count
+
+    scene = load_scene(options.file)
+    starts = start_count(scene, options.packings)
+    expected = expected_comparison(
+        scene, likely_system(scene, options.file), engines, starts=starts, workers=options.workers
+    )
+    row = time_row("compare", expected.seconds, expected.says)
+    print(f"expected: about {row.text} for {row.note}", file=sys.stderr, flush=True)
 
 
 def _laws(options) -> int:
@@ -279,6 +298,30 @@ def _check_places(options) -> None:
         target = Path(options.json)
         if target.is_dir() or not target.parent.is_dir() or not os.access(target.parent, os.W_OK | os.X_OK):
             raise InputError(file="--json", expected="a file in a folder that exists", got=options.json or "nothing")
+        _keep_input(options, target)
+
+
+def _keep_input(options, target: Path) -> None:
+    """Refuse to write results onto what they are made from, under whatever name or link."""
+    if not target.exists():
+        return
+    from harness.scene.load import files_of
+
+    for read in (file for scene in _scenes(options) for file in files_of(scene)):
+        if os.path.exists(read) and os.path.samefile(read, target):
+            raise InputError(
+                file="--json", expected="a file that this command does not read", got=options.json,
+                fix="name another file",
+            )
+
+
+def _scenes(options) -> list[Path]:
+    """Return the scene files that a command reads."""
+    if "files" in options:
+        from harness.studies.decks import shipped_scenes
+
+        return options.files or shipped_scenes()
+    return [options.file] if "file" in options else []
 
 
 def _show(answer, options) -> int:
@@ -290,7 +333,7 @@ def _show(answer, options) -> int:
         print(json_text(answer.data), end="")
         return 0
     for title, rows in answer.tables.items():
-        print_table(rows, title)
+        print_table(rows, title, prose=answer.prose)
         print()
     if options.json:
         write_json_atomic(Path(options.json), answer.data)

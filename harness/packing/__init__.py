@@ -1,5 +1,6 @@
-"""Initial states: random loose insertion, frictionless compression to a pressure, cached by content."""
+"""Initial states: discs compressed to a pressure, or grown in shear between rings; cached by content."""
 
+from harness.packing.grow import Flow, grow_ring
 from harness.packing.make import Packing, make_packing
 
-__all__ = ["Packing", "make_packing"]
+__all__ = ["Flow", "Packing", "grow_ring", "make_packing"]

@@ -3,25 +3,22 @@
 Random radii, random loose insertion, affine compression to just below jamming, overlaps removed at
 constant size, then both right and top walls under the target pressure until forces balance
 (`reference.kernel.relax`). Deterministic in the seed; the cache key is everything that decides the
-result, and the cached file carries its own checksum.
+result (see `harness.packing.cache`).
 """
 
 from __future__ import annotations
 
 import hashlib
-import json
-import logging
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from harness.errors import InputError
+from harness.packing.cache import cached_path, read_cached, write_cached
 from harness.packing.insertion import LOOSE, insert_loose
 from harness.scene.bodies import read_packing_file
 from harness.scene.model import Preparation, RandomParticles
-
-log = logging.getLogger(__name__)
 
 METHOD = 1
 """Version of the preparation; raising it makes every packing anew."""
@@ -46,6 +43,11 @@ class Packing:
         """nu = sum pi a^2 / (L_x L_y)."""
         return float(np.pi * (self.radius**2).sum() / (self.box[0] * self.box[1]))
 
+    @property
+    def says(self) -> str:
+        """One line on it."""
+        return f"{len(self.radius)} particles, {self.contacts} contacts, residual force {self.residual:.2g}"
+
 
 def make_packing(
     particles: RandomParticles, preparation: Preparation, *, stiffness: float, seed: int, cache: Path,
@@ -62,13 +64,10 @@ def make_packing(
         "pressure": preparation.pressure, "tolerance": preparation.residual_tolerance,
         "file": None if start is None else [hashlib.sha256(a.tobytes()).hexdigest() for a in start],
     }
-    name = hashlib.sha256(json.dumps(key, sort_keys=True).encode()).hexdigest()[:16]
-    path = cache / f"packing-{name}.csv"
-    cached = _read_cached(path)
+    path = cached_path(cache, "packing", key)
+    cached = _read_packing(path)
     if cached is not None:
         return cached
-    if path.exists() or path.with_suffix(".json").exists():
-        log.warning("%s: it or its .json is not what was written; the packing is made again", path.name)
     x, radius, box = _loose(particles, seed) if start is None else _in_its_box(*start)
     return _store(path, key, _relaxed(x, radius, box, preparation, stiffness, particles), radius)
 
@@ -106,35 +105,18 @@ def _relaxed(x, radius, box, preparation: Preparation, stiffness: float, particl
 
 
 def _store(path: Path, key: dict, relaxed, radius: np.ndarray) -> Packing:
-    from harness.runs.atomic import write_json_atomic, write_text_atomic
-
-    rows = np.column_stack([relaxed.x.T, radius])
-    lines = (",".join([str(k + 1), *(f"{v:.17g}" for v in row)]) for k, row in enumerate(rows))
-    text = "\n".join(["id,x,y,radius", *lines]) + "\n"
     facts = {"key": key, "box": list(relaxed.box), "residual": relaxed.residual, "contacts": relaxed.contacts}
-    path.parent.mkdir(parents=True, exist_ok=True)
-    write_text_atomic(path, text)
-    write_json_atomic(path.with_suffix(".json"), facts | {"sha256": _checksum(text.encode(), facts)})
-    return _read_cached(path)
+    write_cached(path, ("x", "y", "radius"), (*relaxed.x, radius), facts)
+    return _read_packing(path)
 
 
-def _checksum(table: bytes, facts: dict) -> str:
-    """SHA-256 of both files, without the checksum itself: the box stands in one, the discs in the other."""
-    return hashlib.sha256(table + json.dumps(facts, sort_keys=True).encode()).hexdigest()
-
-
-def _read_cached(path: Path) -> Packing | None:
+def _read_packing(path: Path) -> Packing | None:
     """Return the cached packing, or None when it is missing or damaged (then it is made anew)."""
-    try:
-        text = path.read_bytes()
-        facts = json.loads(path.with_suffix(".json").read_bytes())
-        checksum = facts.pop("sha256")
-    except (OSError, ValueError, KeyError, AttributeError, TypeError):
+    found = read_cached(path)
+    if found is None:
         return None
-    if checksum != _checksum(text, facts):
-        return None
-    table = np.loadtxt(text.decode().splitlines()[1:], delimiter=",", ndmin=2)
+    table, facts = found
     return Packing(
-        x=table[:, 1:3], radius=table[:, 3], box=tuple(facts["box"]), residual=facts["residual"],
-        contacts=facts["contacts"], path=path,
+        x=np.column_stack([table["x"], table["y"]]), radius=table["radius"], box=tuple(facts["box"]),
+        residual=facts["residual"], contacts=facts["contacts"], path=path,
     )

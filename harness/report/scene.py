@@ -4,25 +4,21 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
-from harness.engines.protocol import takes
-from harness.engines.registry import ENGINES
-from harness.packing.insertion import insert_loose
-from harness.packing.make import Packing
+from harness.engines.registry import ENGINES, USUAL, choose_engines
+from harness.report.expected import expected_comparison, likely_system, refusals, run_seconds
 from harness.report.tables import Answer
-from harness.scene.explain import as_json, explain
+from harness.scene.explain import Row, Section, as_json, explain, time_row
 from harness.scene.load import load_scene
 from harness.scene.model import Scene
-from harness.scene.resolve import known_system, resolve
+from harness.scene.resolve import known_system
 from harness.scene.system import System
 
 
 def scene_answer(path: Path) -> Answer:
     """Return what a scene file means, by section; nothing is run and nothing is written. Raises InputError."""
     scene = load_scene(path)
-    system = known_system(scene, path)
-    sections = explain(scene, system, expected_seconds(scene, path, system))
+    system = likely_system(scene, path)
+    sections = [*explain(scene, known_system(scene, path), expected_seconds(system)), *_outlook(scene, system)]
     tables = {
         title.capitalize(): [{"name": r.name, "value": r.text, "note": r.note} for r in rows]
         for title, rows in sections
@@ -30,16 +26,20 @@ def scene_answer(path: Path) -> Answer:
     return Answer(tables=tables, data=as_json(sections))
 
 
-def expected_seconds(scene: Scene, path: Path, system: System | None) -> dict[str, float]:
+def expected_seconds(system: System) -> dict[str, float]:
     """Return the seconds a run is expected to take, by engine that can run it; rough, see each engine."""
-    system = system or resolve(scene, path, _stand_in(scene))
-    able = {n: e for n, e in ENGINES.items() if takes(e, system)}
-    return {n: e.startup_seconds + 1e-6 * e.microseconds_per_step(system) * system.steps for n, e in able.items()}
+    return {name: run_seconds(engine, system) for name, engine in ENGINES.items() if not refusals(engine, system)}
 
 
-def _stand_in(scene: Scene) -> Packing:
-    """A loose, unrelaxed packing: costs nothing, and has as many discs as the real one."""
-    rng = np.random.default_rng(0)
-    radius = rng.uniform(scene.particles.radius.min, scene.particles.radius.max, scene.particles.count)
-    x, side = insert_loose(radius, rng)
-    return Packing(x=x.T, radius=radius, box=(side, side), residual=float("nan"), contacts=0, path=Path())
+def _outlook(scene: Scene, system: System) -> list[Section]:
+    """Return which engines will not run the scene, and why; and how long the others take to be compared."""
+    from harness.studies.prepare import start_count
+
+    refused = [
+        Row(name=name, value="will not run it", note=reason)
+        for name, engine in ENGINES.items() for reason in refusals(engine, system)
+    ]
+    expected = expected_comparison(scene, system, choose_engines(list(USUAL)), starts=start_count(scene, None))
+    whole = time_row("grainproof compare", expected.seconds, expected.says)
+    sections = [("engines that refuse it", refused), ("expected time of a comparison", [whole])]
+    return [(title, rows) for title, rows in sections if rows]

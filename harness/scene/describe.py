@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
 from typing import NamedTuple
@@ -15,6 +16,9 @@ Key = str | int
 
 MOST_PLACES = 3
 """Places that a message names."""
+
+NUMBER = re.compile(r"[+-]?[0-9]{1,20}(\.[0-9]{1,20})?([eE][+-]?[0-9]{1,3})?")
+"""What TOML reads as a number, and what a message can repeat."""
 
 
 class Home(NamedTuple):
@@ -91,6 +95,16 @@ def choices(node: types.Type) -> list[str]:
     """Return the words allowed at `node`, empty if it is not a choice of words."""
     parts = node.types if isinstance(node, types.UnionType) else (node,)
     return [v for p in parts if isinstance(p, types.LiteralType) for v in p.values if isinstance(v, str)]
+
+
+def quoted(word: str, node: types.Type) -> str:
+    """Return "write it without quotes: ..." for a word that `node` would take as a number or true or false; else ""."""
+    parts = _unwrap(node)
+    taken = {str(v).lower() for p in parts if isinstance(p, types.LiteralType) for v in p.values}
+    if any(isinstance(p, types.BoolType) for p in parts):
+        taken |= {"true", "false"}
+    number = any(isinstance(p, types.FloatType | types.IntType) for p in parts) and NUMBER.fullmatch(word)
+    return f"write it without quotes: {word}" if number or word in taken else ""
 
 
 def nearest(word: object, known: Iterable[str]) -> str:

@@ -13,7 +13,7 @@ from typing import get_args
 from harness.scene.contact import NormalLaw, RollingLaw, SlidingLaw, SpringSliding, SpringTorsion
 from harness.scene.fault import show
 from harness.scene.laws import NORMAL, TANGENTIAL, normal_row, turning, word
-from harness.scene.model import Background, Biaxial, ConstantMotion, CosineMotion, LoadedMotion, Scene
+from harness.scene.model import Background, Biaxial, ConstantMotion, CosineMotion, Couette, LoadedMotion, Scene
 from harness.scene.system import Constant, Cosine, Loaded, System
 from harness.scene.tables import Table
 
@@ -47,6 +47,7 @@ class Parts:
     driven: tuple[str, ...]
     loaded: tuple[str, ...]
     spinning: bool
+    rings: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,7 +89,7 @@ def parts_of_system(system: System) -> Parts:
         rough=tuple(w.name for w in system.walls if w.friction),
         driven=tuple(w.name for w in system.walls if isinstance(w.motion, Constant | Cosine)),
         loaded=tuple(w.name for w in system.walls if isinstance(w.motion, Loaded)),
-        spinning=bool(system.particles.spin.any()),
+        spinning=bool(system.particles.spin.any()), rings=tuple(ring.name for ring in system.rings),
     )
 
 
@@ -102,6 +103,11 @@ def parts_of_scene(scene: Scene) -> Parts:
     if isinstance(scene, Biaxial):
         return Parts(
             **shared, gravity=None, periodic=None, rough=(), driven=("top",), loaded=("right",), spinning=False
+        )
+    if isinstance(scene, Couette):
+        return Parts(
+            **shared, gravity=None, periodic=None, rough=(), driven=(), loaded=(), spinning=True,
+            rings=("inner", "outer"),
         )
     return Parts(
         **shared, gravity=scene.gravity, periodic=scene.periodic,
@@ -235,6 +241,10 @@ EFFECTS: dict[str, Kind] = {
     "loaded walls": Kind(
         place="planes.motion", find=lambda p: _names(p.loaded), absent="no such motion",
         brings="walls with mass, moved by load and particles", without="no wall with mass",
+    ),
+    "glued rings": Kind(
+        place="rings", find=lambda p: f"rings {', '.join(p.rings)}" if p.rings else "", absent="no table",
+        brings="rough circular walls of discs, which turn rigidly or rest", without="no such wall",
     ),
 }
 """All effects by name; a new one is one row here."""

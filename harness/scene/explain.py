@@ -11,12 +11,16 @@ import msgspec
 from harness.scene.derived import Derived, PairScales, WallScales, derive
 from harness.scene.effects import effects
 from harness.scene.fault import path_text, show
-from harness.scene.model import Free, Scene
+from harness.scene.model import Couette, Free, Scene
 from harness.scene.overlaps import initial_overlaps
+from harness.scene.ring import area_fractions, rings_of
 from harness.scene.system import System
 
 NOT_AVAILABLE = "not available"
 """Value of what no closed form gives; the remark says why."""
+
+RUN_TIME = "rough, on one core, with the engine's start-up"
+"""Said of the time that an engine is expected to take."""
 
 QUASISTATIC = 1e-3
 """Inertial number below which dense flow hardly depends on the rate (GDR MiDi, Eur. Phys. J. E 14, 341 (2004))."""
@@ -53,11 +57,12 @@ def explain(
     sections = [
         ("scene", list(_scene_rows(scene))),
         ("particles", [*_particle_rows(derived), *_overlap_rows(scene, system)]),
+        ("rings", list(_ring_rows(scene, derived)) if isinstance(scene, Couette) else []),
         ("contacts", [row for pair in derived.pairs for row in _pair_rows(pair)]),
         ("time step", list(_step_rows(scene, derived))),
         ("drive", list(_drive_rows(derived))),
         ("effects", list(_effect_rows(scene, system))),
-        ("expected run time", [_time_row(e, seconds) for e, seconds in (engines_expected or {}).items()]),
+        ("expected run time", [time_row(e, s, RUN_TIME) for e, s in (engines_expected or {}).items()]),
     ]
     return [(title, rows) for title, rows in sections if rows]
 
@@ -99,6 +104,23 @@ def _particle_rows(derived: Derived) -> Iterator[Row]:
     if grains.side is not None:
         note = "of the actual box" if derived.packed else "estimated at area fraction 0.84"
         yield Row(name="height of the box", value=grains.side, unit="m", note=note)
+
+
+def _ring_rows(scene: Couette, derived: Derived) -> Iterator[Row]:
+    """Yield what the rings are, the densities in both ways of counting, and how fast the inner one shears."""
+    rings, r = rings_of(scene), scene.rings
+    diameter = 2 * derived.grains.pairs[1].reduced_radius * 2
+    bounds = {"bare": "R_i < r < R_o", "free": "R_i + a_g < r < R_o - a_g, between the glued discs"}
+    for ring in rings:
+        yield Row(name=f"discs glued on the {ring.name} ring", value=len(ring.x))
+    yield Row(name="gap", value=(r.outer_radius - r.inner_radius) / diameter, unit="mean diameters")
+    for name, nu in area_fractions(scene).items():
+        yield Row(name=f"area fraction, {name} annulus", value=nu, note=bounds[name])
+    yield Row(name="speed of the inner ring", value=abs(r.omega) * r.inner_radius, unit="m/s", note="Omega R_i")
+    turns = abs(r.omega) * scene.duration / (2 * math.pi)
+    yield Row(name="turns of the inner ring", value=turns, note="while it runs; the preparation comes before")
+    least = rings[0].x.shape[0] * derived.plan.dt * abs(r.omega) / (2 * math.pi)
+    yield Row(name="glued discs that pass in a step", value=least, note="far below 1: no disc is jumped over")
 
 
 def _overlap_rows(scene: Scene, system: System | None) -> Iterator[Row]:
@@ -156,10 +178,10 @@ def _wall_rows(wall: WallScales) -> Iterator[Row]:
             yield Row(name=f'{name} of the wall "{wall.name}"', value=share, note=note)
 
 
-def _time_row(engine: str, seconds: float) -> Row:
-    value, unit = (seconds, "s") if seconds < 60 else (seconds / 60, "min")
-    note = "rough, on one core, with the engine's start-up"
-    return Row(name=engine, value=float(f"{value:.2g}"), unit=unit, note=note)
+def time_row(name: str, seconds: float, note: str) -> Row:
+    """Return a rough time in s, min or h, with two digits."""
+    size, unit = next((s, u) for s, u in ((3600.0, "h"), (60.0, "min"), (0.0, "s")) if seconds >= s)
+    return Row(name=name, value=float(f"{seconds / (size or 1.0):.2g}"), unit=unit, note=note)
 
 
 def _effect_rows(scene: Scene, system: System | None) -> Iterator[Row]:

@@ -44,7 +44,11 @@ def number_fault(value: object, place: str) -> Fault | None:
         return Fault(place=place, expected="a finite number", got=show(value))
     if value == 0 or SMALLEST <= abs(value) <= LARGEST:
         return None
-    return Fault(place=place, expected="0 or a magnitude from 1e-30 to 1e30 in SI units", got=show(value))
+    bound = f"at most {LARGEST:g}" if abs(value) > LARGEST else f"at least {SMALLEST:g}"
+    return Fault(
+        place=place, expected=f"a magnitude of {bound} in SI units", got=show(value),
+        fix="out of range: check the number and its unit",
+    )
 
 
 def path_text(keys: Sequence[str | int]) -> str:

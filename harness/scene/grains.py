@@ -8,7 +8,7 @@ from functools import singledispatch
 
 import numpy as np
 
-from harness.scene.model import Biaxial, DiscMass, Free, Inertia, LoadedMotion, Scene, SphereMass
+from harness.scene.model import Biaxial, Couette, DiscMass, Free, Inertia, LoadedMotion, Scene, SphereMass
 from harness.scene.system import INERTIA_FACTOR, Particles
 
 AREA_FRACTION = 0.84
@@ -108,6 +108,26 @@ def _(scene: Free, particles: Particles | None = None, side: float | None = None
         lightest=Pair(name="lightest", reduced_mass=float(p.mass.min()), reduced_radius=high),
         heaviest=Pair(name="heaviest", reduced_mass=float(p.mass.max()), reduced_radius=high),
         turning_share=_turning_share(low, high), per_wall=_touching_loaded_walls(scene, p),
+    )
+
+
+@grains_of.register
+def _(scene: Couette, particles: Particles | None = None, side: float | None = None) -> Grains:  # noqa: ARG001
+    """Species as declared. A glued disc is heavier than any: its contacts are slower than those of free pairs."""
+    species = scene.particles.species
+    count, radius = (np.array([getattr(s, name) for s in species]) for name in ("count", "radius"))
+    law, q = scene.particles.mass, inertia_factor(scene.particles.inertia)
+    mass, mean = mass_of(law, radius), float((count * radius).sum() / count.sum())
+    low, high, least = float(radius.min()), float(radius.max()), float(mass.min())
+    sizes = {"smallest": low, "mean radius": mean, "largest": high}
+    return Grains(
+        dimension=2, count=int(count.sum()), mean_mass=float((count * mass).sum() / count.sum()),
+        total_mass=float((count * mass).sum()), largest_radius=high,
+        pairs=tuple(Pair(name=n, reduced_mass=mass_of(law, a) / 2, reduced_radius=a / 2) for n, a in sizes.items()),
+        inverse_mass=1 / least, inverse_turning=1 / (q * least),
+        lightest=Pair(name="lightest", reduced_mass=least, reduced_radius=high),
+        heaviest=Pair(name="heaviest", reduced_mass=float(mass.max()), reduced_radius=high),
+        turning_share=_turning_share(low, high),
     )
 
 

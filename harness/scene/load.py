@@ -9,6 +9,7 @@ from pathlib import Path
 
 import msgspec
 
+from harness.errors import InputError
 from harness.scene import describe
 from harness.scene.checks import first_fault
 from harness.scene.fault import Fault, number_fault, path_text, printable, shorten, show
@@ -37,6 +38,16 @@ def load_scene(path: Path | str) -> Scene:
         raise fault.error(path)
     known_system(scene, path)
     return scene
+
+
+def files_of(path: Path) -> list[Path]:
+    """Return a scene file and the file that it names, if any; of a file that is no scene, itself."""
+    try:
+        data = _parse(path)
+    except InputError:
+        return [path]
+    names = [describe.value_at(data, keys) for keys in (["bodies_file"], ["particles", "packing"])]
+    return [path, *(path.parent / name for name in names if isinstance(name, str) and name.isprintable())]
 
 
 def _parse(path: Path) -> dict:
@@ -95,8 +106,13 @@ def _schema_fault(message: str, data: dict) -> Fault:
     if missing:
         return _missing(data, [*keys, missing[1]])
     node, value = describe.type_at(data, keys), describe.value_at(data, keys)
-    fix = describe.nearest(value, describe.choices(node)) if isinstance(value, str) else ""
-    return Fault(place=path_text(keys), expected=describe.describe(node), got=show(value), fix=fix)
+    return Fault(place=path_text(keys), expected=describe.describe(node), got=show(value), fix=_fix(value, node))
+
+
+def _fix(value: object, node) -> str:
+    if not isinstance(value, str):
+        return ""
+    return describe.quoted(value, node) or describe.nearest(value, describe.choices(node))
 
 
 def _missing(data: dict, keys: list) -> Fault:

@@ -199,6 +199,91 @@ class Biaxial(Table, tag="biaxial", tag_field="kind"):
         return self.top.duration
 
 
+# --- Couette ring ----------------------------------------------------------------------------
+
+
+class Species(Table):
+    """Equal discs: how many, and their radius in m."""
+
+    count: Annotated[int, Meta(ge=1, le=1_000_000)]
+    radius: Positive
+
+
+class RingParticles(Table):
+    """Discs of a few sizes, placed at random by `seed` and grown to their size."""
+
+    mass: DiscMass | SphereMass
+    inertia: Inertia
+    seed: Annotated[int, Meta(ge=0)]
+    species: Annotated[tuple[Species, ...], Meta(min_length=1)]
+
+
+class Rings(Table):
+    """Two circles of glued discs, centred on `inner_radius` and `outer_radius` (m), which touch one another.
+
+    The inner one turns with `omega` (rad/s, counter-clockwise), the outer one rests.
+    """
+
+    inner_radius: Positive
+    outer_radius: Positive
+    grain_radius: Positive
+    omega: float
+
+
+class Growth(Table):
+    """The discs grow from `start_size` of their radius to all of it in `grow` seconds, then flow for `settle`.
+
+    The inner ring turns meanwhile: its rate rises smoothly to omega within `grow`. Contacts rub as in the run if
+    their friction has no memory, else not at all. The run starts with the places, velocities and spins reached.
+    """
+
+    start_size: Annotated[float, Meta(gt=0, lt=1)]
+    grow: Positive
+    settle: NonNegative
+
+
+class TimeWindow(Table):
+    """A declared pointwise check: up to `time` (s) two codes' torques on the inner ring differ by <= `tolerance`."""
+
+    pairs: Literal["same_conventions", "codes"]
+    time: Positive
+    tolerance: Positive
+
+
+class RingCompare(Table):
+    """What `grainproof compare` judges on a ring; never part of a run's hash.
+
+    Profiles are averages over the frames from `steady_from` (s) on, in `cells` concentric rings; `band` is the distance
+    from the inner ring (m) up to which the velocity is fitted by v_0 exp(-(r - R_i)/s).
+    """
+
+    steady_from: NonNegative
+    band: Positive
+    cells: Annotated[int, Meta(ge=2, le=1000)] = 20
+    packings: Annotated[int, Meta(ge=1, le=MOST_PACKINGS)] = 1
+    windows: tuple[TimeWindow, ...] = ()
+
+
+class Couette(Table, tag="couette", tag_field="kind"):
+    """Discs between two rough rings of which the inner one turns (Laetzel et al., Granular Matter 2, 123 (2000))."""
+
+    title: Title
+    particles: RingParticles
+    rings: Rings
+    preparation: Growth
+    contact: Contact
+    duration: Positive
+    numerics: Numerics
+    outputs: Outputs
+    compare: RingCompare
+    background: Background | None = None
+
+    @property
+    def dimension(self) -> int:
+        """The ring of the talks is two-dimensional."""
+        return 2
+
+
 # --- free scenes -----------------------------------------------------------------------------
 
 
@@ -258,4 +343,4 @@ class Free(Table, tag="free", tag_field="kind"):
     compare: FreeCompare = FreeCompare()
 
 
-Scene = Biaxial | Free
+Scene = Biaxial | Couette | Free

@@ -10,7 +10,7 @@ from harness.scene.contact import Contact, NormalLaw
 from harness.scene.fault import Fault
 from harness.scene.grains import Grains
 from harness.scene.laws import Springs, head_on, tangential_springs
-from harness.scene.model import Biaxial, LoadedMotion, Scene, SideWall
+from harness.scene.model import Biaxial, Free, LoadedMotion, Scene, SideWall
 
 MOST_STEPS = 2_000_000_000
 """Step counters of the engines are 32-bit integers."""
@@ -102,7 +102,8 @@ def loaded_walls(scene: Scene) -> list[tuple[str, LoadedMotion | SideWall]]:
     """Return name and table of the walls that move under a load."""
     if isinstance(scene, Biaxial):
         return [("right", scene.side)]
-    return [(p.name, p.motion) for p in scene.planes if isinstance(p.motion, LoadedMotion)]
+    planes = scene.planes if isinstance(scene, Free) else ()
+    return [(p.name, p.motion) for p in planes if isinstance(p.motion, LoadedMotion)]
 
 
 def numerics_faults(scene: Scene, grains: Grains) -> Iterator[Fault]:

@@ -18,9 +18,20 @@ import numpy as np
 from harness.scene.bodies import read_bodies, read_packing_file
 from harness.scene.fault import Fault
 from harness.scene.grains import Grains, grains_of, inertia_factor, mass_of
-from harness.scene.model import Biaxial, Body, ConstantMotion, CosineMotion, Free, LoadedMotion, Plane, Scene
+from harness.scene.model import (
+    Biaxial,
+    Body,
+    ConstantMotion,
+    CosineMotion,
+    Couette,
+    Free,
+    LoadedMotion,
+    Plane,
+    Scene,
+)
 from harness.scene.numerics import StepPlan, numerics_faults, plan_steps
 from harness.scene.placement import EXPLICIT, PACKED, Origin, check_placement, component_faults
+from harness.scene.ring import FlowingDiscs, flowing_discs, rings_of
 from harness.scene.system import Constant, Cosine, Loaded, Particles, System, Wall
 
 __all__ = [
@@ -37,7 +48,7 @@ class PackedDiscs(Protocol):
     box: tuple[float, float]
 
 
-def resolve(scene: Scene, file: Path, packing: PackedDiscs | None = None) -> System:
+def resolve(scene: Scene, file: Path, packing: PackedDiscs | FlowingDiscs | None = None) -> System:
     """Return the system that a checked scene in `file` means.
 
     Raises InputError for what only the particles show: their places, the time step; TypeError when
@@ -193,7 +204,27 @@ def _height_faults(scene: Biaxial, height: float, grains: Grains):
         )
 
 
-# --- both ------------------------------------------------------------------------------------
+# --- Couette ring ----------------------------------------------------------------------------
+
+
+def resolve_couette(scene: Couette, state: FlowingDiscs, *, name: str = "scene") -> System:
+    """Return the ring around flowing discs: x, v, spin as they are, no contact history, the inner ring turning.
+
+    Raises InputError for two centres at one place, or when the time step is too large.
+    """
+    file = Path(f"{name}.toml")
+    particles = flowing_discs(scene, state)
+    plan = _checked_plan(scene, grains_of(scene), file)
+    system = System(
+        dimension=2, particles=particles, gravity=None, periodic=None, walls=(), rings=rings_of(scene),
+        **_common(scene, plan, name),
+    )
+    places = [f"disc {k + 1} of the packing" for k in range(len(particles))]
+    check_placement(system, Origin(file=file, places=places), PACKED)
+    return system
+
+
+# --- all -------------------------------------------------------------------------------------
 
 
 def _common(scene: Scene, plan: StepPlan, name: str) -> dict:
@@ -233,6 +264,17 @@ def _resolve_packed(scene: Biaxial, file: Path, packing: PackedDiscs | None) -> 
     return resolve_biaxial(scene, packing.x, packing.radius, packing.box, name=file.stem)
 
 
+def _known_ring(scene: Couette, file: Path) -> System | None:
+    """The time step needs masses only, which the species give."""
+    _refuse(numerics_faults(scene, grains_of(scene)), file)
+
+
+def _resolve_ring(scene: Couette, file: Path, state: FlowingDiscs | None) -> System:
+    if state is None:
+        raise TypeError("a ring is resolved around flowing discs")
+    return resolve_couette(scene, state, name=file.stem)
+
+
 def _resolve_explicit(scene: Free, file: Path, _: PackedDiscs | None = None) -> System:
     return resolve_free(scene, file.parent, name=file.stem)
 
@@ -243,10 +285,11 @@ class Kind:
 
     packed: bool
     known: Callable[[Scene, Path], System | None]
-    resolve: Callable[[Scene, Path, PackedDiscs | None], System]
+    resolve: Callable[[Scene, Path, PackedDiscs | FlowingDiscs | None], System]
 
 
 KINDS: dict[type, Kind] = {
     Biaxial: Kind(packed=True, known=_known_box, resolve=_resolve_packed),
+    Couette: Kind(packed=True, known=_known_ring, resolve=_resolve_ring),
     Free: Kind(packed=False, known=_resolve_explicit, resolve=_resolve_explicit),
 }

@@ -83,6 +83,30 @@ class Wall:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Ring:
+    """Discs glued on a circle (2D): they touch the particles like discs of infinite mass, and never each other.
+
+    `index` continues the count of the walls; contacts name the whole ring as j = -index. x: (M, 2) centres of the
+    glued discs at the start, radius: (M,), in m. The circle has its middle at `centre` (2,) and the radius `circle`, m.
+    It turns rigidly with `omega` (rad/s, counter-clockwise) from the start on; None: it stands still. A glued disc
+    turns with its ring, so its spin is omega.
+    """
+
+    index: int
+    name: str
+    centre: tuple[float, float]
+    circle: float
+    x: np.ndarray
+    radius: np.ndarray
+    omega: float | None = None
+
+    def identity(self) -> dict:
+        """The ring as JSON-able data, arrays replaced by their hash."""
+        plain = {"index": self.index, "centre": self.centre, "circle": self.circle, "omega": self.omega}
+        return plain | {"grains": _digest(self.x, self.radius)}
+
+
+@dataclass(frozen=True, kw_only=True)
 class System:
     """Everything an engine must compute, and nothing that is off.
 
@@ -107,6 +131,7 @@ class System:
     rolling: RollingLaw | None = None
     torsion: SpringTorsion | None = None
     rotations: bool = False
+    rings: tuple[Ring, ...] = ()
     scene_name: str = field(default="scene")
     title: str = field(default="")
 
@@ -123,18 +148,23 @@ class System:
         walls = [asdict(w) | {"motion_kind": type(w.motion).__name__} for w in self.walls]
         effects = {k: _struct(getattr(self, k)) for k in _LAWS}
         plain = {k: getattr(self, k) for k in _PLAIN}
-        return {"walls": walls, "particles": self.particles_digest(), **effects, **plain}
+        rings = {"rings": [ring.identity() for ring in self.rings]} if self.rings else {}
+        return {"walls": walls, "particles": self.particles_digest(), **effects, **plain, **rings}
 
     def particles_digest(self) -> str:
         """SHA-256 of the particle arrays as little-endian float64."""
-        h = hashlib.sha256()
-        for name in ("x", "radius", "mass", "inertia_factor", "v", "spin"):
-            h.update(np.ascontiguousarray(getattr(self.particles, name), "<f8").tobytes())
-        return h.hexdigest()
+        return _digest(*(getattr(self.particles, a) for a in ("x", "radius", "mass", "inertia_factor", "v", "spin")))
 
     def with_(self, **changes) -> System:
         """Return a copy with some fields changed."""
         return replace(self, **changes)
+
+
+def _digest(*arrays: np.ndarray) -> str:
+    h = hashlib.sha256()
+    for array in arrays:
+        h.update(np.ascontiguousarray(array, "<f8").tobytes())
+    return h.hexdigest()
 
 
 _LAWS = ("normal", "sliding", "rolling", "torsion", "background")

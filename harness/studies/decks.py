@@ -3,7 +3,9 @@
 `inputs/decks/<scene>/<engine>/` holds each deck file as the engine renders it, and nothing else. A file
 with more than `LARGEST` bytes (the particles of a big packing) is generated data: instead of it there
 is `<file>.sha256`, so that git notices when it changes. The packing is made by elementwise IEEE
-arithmetic only, so these bytes do not depend on the machine.
+arithmetic only, so these bytes do not depend on the machine. The discs of a ring have flowed, which
+multiplies every last bit: in its committed decks stand the discs that they grow from, in decks written
+elsewhere the real ones.
 """
 
 from __future__ import annotations
@@ -16,8 +18,10 @@ from pathlib import Path
 from harness.engines.protocol import takes
 from harness.engines.registry import ENGINES
 from harness.errors import InputError
+from harness.packing.stand_in import stand_in
 from harness.scene.load import load_scene
-from harness.scene.resolve import scene_name
+from harness.scene.model import Couette
+from harness.scene.resolve import resolve, scene_name
 from harness.studies.prepare import prepare
 
 LARGEST = 64_000
@@ -40,18 +44,18 @@ def default_decks_folder() -> Path:
     return _inputs() / "decks"
 
 
-def rendered_decks(scenes: Sequence[Path]) -> dict[str, str]:
+def rendered_decks(scenes: Sequence[Path], *, flowed: bool = False) -> dict[str, str]:
     """Return what the decks folder must hold for these scenes, for all engines that take them.
 
-    Only a scene's first packing is rendered. Raises InputError for a scene that is wrong, or two scenes
-    of one name, whose decks would overwrite each other.
+    Only a scene's first packing is rendered. flowed: with the discs of a ring as they start a run. Raises
+    InputError for a scene that is wrong, or two scenes of one name, whose decks would overwrite each other.
     """
     names = [scene_name(s.stem) for s in scenes]
     twice = next((s for k, s in enumerate(scenes) if names[k] in names[:k]), None)
     if twice is not None:
         raise InputError(file=twice, expected="scenes of different names", got=f"{scene_name(twice.stem)} again")
     with tempfile.TemporaryDirectory() as cache:
-        return {name: text for s in scenes for name, text in _decks_of(s, Path(cache)).items()}
+        return {name: text for s in scenes for name, text in _decks_of(s, Path(cache), flowed).items()}
 
 
 def check_decks(decks: Decks, folder: Path, *, whole: bool) -> list[dict]:
@@ -85,9 +89,12 @@ def write_decks(decks: Decks, folder: Path, *, whole: bool, remove: bool) -> lis
     return rows
 
 
-def _decks_of(scene_file: Path, cache: Path) -> dict[str, str]:
+def _decks_of(scene_file: Path, cache: Path, flowed: bool) -> dict[str, str]:
     scene = load_scene(scene_file)
-    system = prepare(scene, scene_file, packings=1, cache=cache)[0].system
+    if isinstance(scene, Couette) and not flowed:
+        system = resolve(scene, scene_file, stand_in(scene))
+    else:
+        system = prepare(scene, scene_file, packings=1, cache=cache)[0].system
     able = [e for e in ENGINES.values() if takes(e, system)]
     folders = {f"{system.scene_name}/{e.name.replace(':', '-')}": e.render(system) for e in able}
     return dict(_kept(f"{folder}/{name}", text) for folder, deck in folders.items() for name, text in deck.items())

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from harness.errors import InputError
-from harness.packing import Packing, make_packing
+from harness.packing import Flow, Packing, grow_ring, make_packing
 from harness.scene.laws import first_stiffness
-from harness.scene.model import MOST_PACKINGS, Biaxial, Scene
+from harness.scene.model import MOST_PACKINGS, Biaxial, Couette, Scene
 from harness.scene.resolve import needs_packing, resolve
 from harness.scene.system import System
 
@@ -24,7 +24,7 @@ class Prepared:
 
     number: int
     system: System
-    packing: Packing | None
+    packing: Packing | Flow | None
 
 
 def prepare(
@@ -35,21 +35,33 @@ def prepare(
     packings: how many; None means as many as the scene says. progress: makes what shows the packings
     being made. Raises InputError, also for several packings of a scene that has no random ones.
     """
-    several = needs_packing(scene) and scene.particles.packing is None
+    count = start_count(scene, packings)
+    if not needs_packing(scene):
+        return [Prepared(number=0, system=resolve(scene, path), packing=None)]
+    return _packed(scene, path, count, cache, progress)
+
+
+def start_count(scene: Scene, packings: int | None) -> int:
+    """Return how many starts a scene has when a user asks for so many packings; None: as the scene says.
+
+    Raises InputError for too many, and for several of a scene whose particles are not drawn at random.
+    """
+    several = needs_packing(scene) and not _of_a_file(scene)
     if not several and packings not in (None, 1):
         raise InputError(
             file="--packings", expected="1, as this scene's particles are not drawn at random", got=packings
         )
     if (packings or 1) > MOST_PACKINGS:
         raise InputError(file="--packings", expected=f"a number from 1 to {MOST_PACKINGS}", got=packings)
-    if not needs_packing(scene):
-        return [Prepared(number=0, system=resolve(scene, path), packing=None)]
-    count = (packings or scene.compare.packings) if several else 1
-    return _packed(scene, path, count, cache, progress)
+    return (packings or scene.compare.packings) if several else 1
+
+
+def _of_a_file(scene: Biaxial | Couette) -> bool:
+    return isinstance(scene, Biaxial) and scene.particles.packing is not None
 
 
 def _packed(
-    scene: Biaxial, path: Path, count: int, cache: Path, progress: Callable[[], Progress] | None
+    scene: Biaxial | Couette, path: Path, count: int, cache: Path, progress: Callable[[], Progress] | None
 ) -> list[Prepared]:
     from harness.runs.progress import Silent
 
@@ -60,19 +72,27 @@ def _packed(
         for number, label in enumerate(labels):
             shown.running(number, 0.0)
             starts.append(_start(scene, path, number, cache))
-            shown.done(number, f"{label}: {_says(starts[-1].packing)}")
+            shown.done(number, f"{label}: {starts[-1].packing.says}")
     finally:
         shown.end()
     return starts
 
 
-def _start(scene: Biaxial, path: Path, number: int, cache: Path) -> Prepared:
-    packing = make_packing(
-        scene.particles, scene.preparation, stiffness=first_stiffness(scene.contact.normal),
-        seed=(scene.particles.seed or 0) + number, cache=cache, scene_folder=path.parent,
-    )
+def _start(scene: Biaxial | Couette, path: Path, number: int, cache: Path) -> Prepared:
+    packing = MAKERS[type(scene)](scene, path, (scene.particles.seed or 0) + number, cache)
     return Prepared(number=number, system=resolve(scene, path, packing), packing=packing)
 
 
-def _says(packing: Packing) -> str:
-    return f"{len(packing.radius)} particles, {packing.contacts} contacts, residual force {packing.residual:.2g}"
+def _box(scene: Biaxial, path: Path, seed: int, cache: Path) -> Packing:
+    return make_packing(
+        scene.particles, scene.preparation, stiffness=first_stiffness(scene.contact.normal), seed=seed, cache=cache,
+        scene_folder=path.parent,
+    )
+
+
+def _ring(scene: Couette, _: Path, seed: int, cache: Path) -> Flow:
+    return grow_ring(scene, seed=seed, cache=cache)
+
+
+MAKERS = {Biaxial: _box, Couette: _ring}
+"""What makes the start of a scene, by its kind."""

@@ -63,6 +63,25 @@ BIAXIAL = {
     "outputs": OUTPUTS,
 }
 
+RING = {
+    "kind": "couette",
+    "title": "ring",
+    "duration": 0.1,
+    "particles": {
+        "seed": 3, "inertia": "disc", "mass": {"kind": "disc", "density": 1060.0, "height": 6e-3},
+        "species": [{"count": 140, "radius": 3.71e-3}, {"count": 23, "radius": 4.495e-3}],
+    },
+    "rings": {"inner_radius": 0.02, "outer_radius": 0.06, "grain_radius": 1.25e-3, "omega": 1.0},
+    "preparation": {"start_size": 0.5, "grow": 0.2, "settle": 0.05},
+    "contact": {
+        "normal": {"law": "linear", "normal_stiffness": 352.1, "normal_damping": 0.19, "attraction": "allowed"},
+        "sliding": {"law": "viscous", "shear_friction": 0.44, "shear_damping": 0.15},
+    },
+    "numerics": {"dt_fraction": 0.04},
+    "outputs": OUTPUTS,
+    "compare": {"steady_from": 0.05, "band": 0.02},
+}
+
 FREE = {
     "kind": "free",
     "title": "two discs",
@@ -126,7 +145,7 @@ def edited(data: dict, changes: dict) -> dict:
 class Scenes:
     """Writes scenes into a folder and loads them."""
 
-    biaxial, free, floor, lid, remove, balls = BIAXIAL, FREE, FLOOR, LID, REMOVE, BALLS
+    biaxial, ring, free, floor, lid, remove, balls = BIAXIAL, RING, FREE, FLOOR, LID, REMOVE, BALLS
     normals, slidings, rollings, torsion = NORMALS, SLIDINGS, ROLLINGS, TORSION
     dump, edited = staticmethod(dump), staticmethod(edited)
 

@@ -67,7 +67,7 @@ def test_missing_folder_and_pipe(scenes):
         ("x,y,radius,mass\n0,0,1,one\n", 'line 2, column mass: expected a number, got "one"'),
         ("x,y,radius,mass\n0,0,1,\n", 'line 2, column mass: expected a number, got ""'),
         ("x,y,radius,mass\n0,nan,1,1\n", "line 2, column y: expected a finite number, got nan"),
-        ("x,y,radius,mass\n0,1e99,1,1\n", "line 2, column y: expected 0 or a magnitude from 1e-30 to 1e30"),
+        ("x,y,radius,mass\n0,1e99,1,1\n", "line 2, column y: expected a magnitude of at most 1e+30 in SI"),
         ("x,y,radius,mass\n0,0,0,1\n", 'line 2, column radius: expected a number > 0, got "0"'),
         ("x,y,radius,mass\n0,0,1,-1\n", 'line 2, column mass: expected a number > 0, got "-1"'),
         ("x,y,radius,mass,inertia\n0,0,1,1,2\n", 'line 2, column inertia: expected "sphere", "disc", "ring" or a'),

@@ -91,7 +91,13 @@ def test_integer_too_long_to_read(scenes):
         ({"top.duration": -1.5}, "top.duration: expected a number > 0, got -1.5"),
         ({"top.duration": float("nan")}, "top.duration: expected a finite number, got nan"),
         ({"side.damping": float("inf")}, "side.damping: expected a finite number, got inf"),
-        ({"side.mass": 1e200}, "side.mass: expected 0 or a magnitude from 1e-30 to 1e30 in SI units, got 1e+200"),
+        (
+            {"side.mass": 1e200},
+            "side.mass: expected a magnitude of at most 1e+30 in SI units, got 1e+200; out of range: check the number",
+        ),
+        ({"side.mass": 1e-200}, "side.mass: expected a magnitude of at least 1e-30 in SI units, got 1e-200; out of"),
+        ({"top.duration": "0.06"}, 'top.duration: expected a number > 0, got "0.06"; write it without quotes: 0.06'),
+        ({"outputs.contacts": "true"}, 'outputs.contacts: expected true or false, got "true"; write it without quotes'),
         ({"outputs.frames": 2**60}, "outputs.frames: expected an integer of at most 2^53, got an integer of 61 bits"),
         ({"outputs.frames": 1.5}, "outputs.frames: expected an integer >= 1, got 1.5"),
         ({"outputs.contacts": 1}, "outputs.contacts: expected true or false, got 1"),
@@ -166,6 +172,8 @@ def test_missing_key(scenes, missing, expected):
     [
         ({"kind": "freee"}, 'kind: expected "biaxial" or "free", got "freee"; did you mean free?'),
         ({"dimension": 4}, "dimension: expected 2 or 3, got 4"),
+        ({"dimension": "2"}, 'dimension: expected 2 or 3, got "2"; write it without quotes: 2'),
+        ({"dimension": "two"}, 'dimension: expected 2 or 3, got "two"'),
         ({"bodies.1.position": [1.0]}, "bodies[1].position: expected an array of 2 or 3 numbers, got [1.0]"),
         ({"bodies.1.position.1": "up"}, 'bodies[1].position[1]: expected a number, got "up"'),
         ({"planes": [{"name": "a"}]}, "planes[0].point: expected an array of 2 or 3 numbers, got nothing; add point"),
