@@ -84,6 +84,7 @@ def parser() -> argparse.ArgumentParser:
     _compare_verb(verbs)
     _laws_verb(verbs)
     _bench_verb(verbs)
+    _status_verbs(verbs)
     verbs.add_parser("average", help="the post-processor alone, on a neutral state file")
     return top
 
@@ -110,14 +111,16 @@ def _decks_verb(verbs) -> None:
 def _run_verb(verbs) -> None:
     verb = _add(verbs, "run", _run, "one run of one scene on one engine")
     verb.add_argument("file", type=Path, metavar="FILE")
-    verb.add_argument("--engine", required=True, metavar="E", help="lammps, liggghts, kernel, kernel:lammps, ...")
+    verb.add_argument(
+        "--engine", "--engines", required=True, metavar="E", help="lammps, liggghts, kernel, kernel:lammps, ..."
+    )
     _add_run_options(verb)
 
 
 def _compare_verb(verbs) -> None:
     verb = _add(verbs, "compare", _compare, "all engines, same packings, verdicts and report")
     verb.add_argument("file", type=Path, metavar="FILE")
-    verb.add_argument("--engines", metavar="A,B", help="default: lammps,liggghts,kernel")
+    _add_names(verb, "engine", "default: lammps,liggghts,kernel")
     verb.add_argument("--packings", type=_count, metavar="N", help="random packings; default: as the scene says")
     verb.add_argument("--workers", type=_count, metavar="N", help="runs at a time; default: the number of cores")
     _add_run_options(verb)
@@ -125,8 +128,8 @@ def _compare_verb(verbs) -> None:
 
 def _laws_verb(verbs) -> None:
     verb = _add(verbs, "laws", _laws, "contact laws in prescribed motion and collisions: a matrix of laws and engines")
-    verb.add_argument("--law", action="append", default=[], metavar="L", help="a combination of laws; may be repeated")
-    verb.add_argument("--engine", action="append", default=[], metavar="E", help="an engine; may be repeated")
+    _add_names(verb, "law", "combinations of laws; default: all")
+    _add_names(verb, "engine", "default: all")
     verb.add_argument("--workers", type=_count, metavar="N", help="runs at a time; default: the number of cores")
     verb.add_argument("--out", type=_folder, default=Path("out/laws"), metavar="DIR", help="default: %(default)s")
     verb.add_argument("--time-limit", type=_seconds, default=120.0, metavar="S", help="per run; default: %(default)g")
@@ -138,9 +141,31 @@ def _bench_verb(verbs) -> None:
     verb.add_argument("--out", type=_folder, default=Path("out/bench"), metavar="DIR", help="default: out/bench")
 
 
+def _status_verbs(verbs) -> None:
+    verb = _add(verbs, "status", _status, "the runs in a results folder: how they ended, their size")
+    verb.add_argument("folder", type=_folder, metavar="DIR", help="what --out was")
+    verb = _add(verbs, "clean", _clean, "show the runs that are unfinished, damaged or in no report, or delete them")
+    verb.add_argument("folder", type=_folder, metavar="DIR", help="what --out was")
+    verb.add_argument("--yes", action="store_true", help="delete them")
+
+
 def _add_run_options(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("--out", type=_folder, default=Path("out"), metavar="DIR", help="results and runs; default: out")
     verb.add_argument("--time-limit", type=_seconds, default=3600.0, metavar="S", help="per run; default: %(default)g")
+
+
+def _add_names(verb: argparse.ArgumentParser, what: str, text: str) -> None:
+    """An option for names, separated by commas or one at a time, in singular and in plural."""
+    verb.add_argument(
+        f"--{what}s", f"--{what}", type=_names, action="extend", metavar="A,B", help=f"{text}; may be repeated"
+    )
+
+
+def _names(word: str) -> list[str]:
+    names = [w for w in word.split(",") if w]
+    if not names:
+        raise argparse.ArgumentTypeError(f"expected names separated by commas, got {word!r}")
+    return names
 
 
 def _folder(word: str) -> Path:
@@ -214,7 +239,7 @@ def _compare(options) -> int:
     from harness.runs.progress import progress_for
     from harness.studies.compare import compare
 
-    engines = choose_engines(list(USUAL) if options.engines is None else [w for w in options.engines.split(",") if w])
+    engines = choose_engines(options.engines or list(USUAL))
     check_report_places(options.out)
     _announce(options, engines)
     comparison = compare(
@@ -246,19 +271,19 @@ def _announce(options, engines) -> None:
 
 def _laws(options) -> int:
     from harness.engines.registry import ENGINES, find_engine
-    from harness.report.laws import laws_answer, summary, write_laws_report
+    from harness.report.laws import closing_words, laws_answer, write_laws_report
     from harness.runs.progress import progress_for
     from harness.studies.laws import choose_laws, prove_laws
 
-    laws = choose_laws(options.law)
-    engines = [find_engine(word) for word in options.engine] or list(ENGINES.values())
+    laws = choose_laws(options.laws or [])
+    engines = [find_engine(word) for word in options.engines or []] or list(ENGINES.values())
     result = prove_laws(
         laws, engines, options.out, time_limit=options.time_limit, workers=options.workers, progress=progress_for
     )
     written = write_laws_report(result, options.out)
     _show(laws_answer(result), options)
     if options.json != "-":
-        print(f"{summary(result)}\nreport: {written.page}")
+        print(closing_words(result, written))
     return result.exit_status
 
 
@@ -273,6 +298,18 @@ def _bench(options) -> int:
     if options.json != "-":
         print(f"{summary(done)}\nreport: {page}")
     return done.exit_status
+
+
+def _status(options) -> int:
+    from harness.report.status import status_answer
+
+    return _show(status_answer(options.folder), options)
+
+
+def _clean(options) -> int:
+    from harness.report.status import clean_answer
+
+    return _show(clean_answer(options.folder, really=options.yes), options)
 
 
 def _average(words: list[str]) -> int:
@@ -294,11 +331,18 @@ def _check_places(options) -> None:
             if not nearest.is_dir():
                 got, fix = f"{nearest}, which is no folder", "name another place"
             raise InputError(file="--out", expected="a folder that can be written", got=got, fix=fix)
+        _check_packings(options.out)
     if options.json not in (None, "-"):
         target = Path(options.json)
         if target.is_dir() or not target.parent.is_dir() or not os.access(target.parent, os.W_OK | os.X_OK):
             raise InputError(file="--json", expected="a file in a folder that exists", got=options.json or "nothing")
         _keep_input(options, target)
+
+
+def _check_packings(out: Path) -> None:
+    from harness.runs.folder import require_folder
+
+    require_folder(out / "packings")
 
 
 def _keep_input(options, target: Path) -> None:

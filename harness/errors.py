@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+
 
 class InputError(Exception):
     """Wrong input of the user; the command line prints it as one line and exits with status 2.
@@ -22,3 +24,13 @@ class InputError(Exception):
         where = f"{file}: {place}" if place else f"{file}"
         line = f"{where}: expected {expected}, got {got}" + (f"; {fix}" if fix else "")
         super().__init__(" ".join(line.split()))
+
+
+def system_line(error: OSError) -> str:
+    """Say an error of the system in words, the place first and without its number.
+
+    >>> system_line(OSError(28, "No space left on device", "out/report.json"))
+    'out/report.json: No space left on device'
+    """
+    words = error.strerror or str(error) or type(error).__name__
+    return words if error.filename is None else f"{os.fsdecode(error.filename)}: {words}"

@@ -2,12 +2,12 @@
 
 From Python::
 
-    averages = average(read_state("state.h5"), cells="inner", margin=4e-3)
-    averages["stress"]            # (1, 2, 2), or MissingColumn with the reason
+    averages = average(read_state("state.h5"), cells="rings:60")
+    averages["stress"]            # (60, 2, 2): rr, rphi, phir, phiphi; or MissingColumn with the reason
 
 From a shell::
 
-    python -m postproc STATE [--cells box|inner|particles] [--frame K] [--out DIR] [--json FILE|-] ...
+    python -m postproc STATE --cells rings:60 [--fields NAME,...] [--out DIR] [--json FILE|-] ...
 
 `main` takes the same words as a list, so that another command can hand its arguments on.
 """
@@ -15,26 +15,39 @@ From a shell::
 from __future__ import annotations
 
 import argparse
-import os
+import difflib
+import math
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NoReturn
 
-from postproc.averaging.registry import CELLS, WrongSetting, make_cells
-from postproc.fields import IN_CELLS, OF_STATE, Subject
+from postproc.averaging.registry import WrongSetting, make_cells
+from postproc.fields import IN_CELLS, OF_STATE, Field, Subject
 from postproc.macro.coordination import MINIMUM_CONTACTS
-from postproc.results import Averages
+from postproc.options import INPUT_WRONG, check_places, parser
+from postproc.results import Averages, Value
 from postproc.snapshot import Snapshot
 from postproc.trajectory import ReadError
+from postproc.undefined import Gaps
 
-DONE, INPUT_WRONG = 0, 2
+DONE = 0
+
+ALL = "all"
+"""Every field."""
+
+LARGEST = 1e30
+"""Settings beyond this are no physical values of grains in SI units, and high powers of them overflow."""
 
 
 def average(
     snapshot: Snapshot,
     *,
     cells: str = "box",
+    fields: str | Sequence[str] = ALL,
+    weights: str | None = None,
+    frame: str | None = None,
+    kernel: str | None = None,
+    width: float | None = None,
     margin: float | None = None,
     minimum_contacts: int = MINIMUM_CONTACTS,
     kn: float | None = None,
@@ -47,45 +60,99 @@ def average(
 
     Parameters
     ----------
-    cells: "box" (whole box), "inner" (without a border layer) or "particles" (each one a cell).
+    cells: kind of cells with its words, see `postproc.averaging.registry`: "box" (whole box), "inner" (without a
+        border layer), "particles" (each one a cell), "rings:60", "strips:x:20", "grid:32x32", ...
+    fields: names of quantities, or "all".
+    weights: "area" (exact fractions of particles cut by borders) or "centre"; for cells that have the choice.
+    frame: "cartesian" or "polar" components; default polar in rings, else Cartesian.
+    kernel, width: of coarse graining at points.
     margin: width of the border layer of "inner", m; default two mean diameters.
     minimum_contacts: a particle with fewer is a rattler; 3 (2D) or 4 (3D) without friction.
     kn, kt: stiffnesses of linear springs, N/m, if the contacts have no columns of that name.
-    reference: state that the strain of the box is measured from.
+    reference: state that strains and displacements are measured from.
     rate: strain rate for the inertial number, 1/s.
     gravity: (dim,), m/s^2, counted in the balance of forces.
 
-    Raises WrongSetting (a ValueError) for unknown cells, a margin for cells that have none, or a
-    gravity of another dimension.
+    Raises WrongSetting (a ValueError) for unknown cells or fields, cells that overlap or lie outside the sample,
+    and settings that make no sense or that the cells do not have.
     """
-    if gravity is not None and len(gravity) != snapshot.dimension:
-        raise WrongSetting(f"gravity: expected {snapshot.dimension} components, got {len(gravity)}")
+    _check_settings(
+        positive={"kn": kn, "kt": kt, "margin": margin, "width": width}, finite={"rate": rate},
+        minimum_contacts=minimum_contacts,
+    )
+    if not snapshot.particles.rows:
+        raise WrongSetting("state: expected at least one particle, got none")
+    chosen = {field.name for field in _chosen(fields)}
     subject = Subject(
-        cells=make_cells(cells, snapshot, margin=margin),
+        cells=make_cells(
+            cells, snapshot, weights=weights, frame=frame, kernel=kernel, width=width, margin=margin
+        ),
         minimum_contacts=minimum_contacts,
         kn=kn,
         kt=kt,
         reference=reference,
         rate=rate,
-        gravity=None if gravity is None else tuple(gravity),
+        gravity=_acceleration(gravity, snapshot.dimension),
     )
+    gaps = Gaps(cells=subject.cells)
     return Averages(
         time=snapshot.time,
         dimension=snapshot.dimension,
         per_thickness=snapshot.per_thickness,
         particles=snapshot.particles.rows,
         cells=cells,
+        frame=subject.cells.frame,
         labels=subject.cells.labels,
-        in_cells={field.name: field.evaluate(subject) for field in IN_CELLS},
-        of_state={field.name: field.evaluate(subject) for field in OF_STATE},
+        empty=int(gaps.empty.sum()),
+        coordinates={name: Value(values=v, unit="m") for name, v in subject.cells.coordinates.items()},
+        in_cells={f.name: gaps.explain(f.name, f.evaluate(subject)) for f in IN_CELLS if f.name in chosen},
+        of_state={f.name: f.evaluate_state(subject) for f in OF_STATE if f.name in chosen},
     )
+
+
+def _chosen(names: str | Sequence[str]) -> tuple[Field, ...]:
+    """Return the fields of these names. Raises WrongSetting, with the name that comes closest."""
+    known = {field.name: field for field in (*IN_CELLS, *OF_STATE)}
+    if names == ALL:
+        return tuple(known.values())
+    wanted = names.split(",") if isinstance(names, str) else names
+    for name in wanted:
+        if name not in known:
+            like = difflib.get_close_matches(name, known, n=3) or [*known]
+            raise WrongSetting(f"fields: expected all, or names such as {', '.join(like)}; got {name!r}")
+    return tuple(known[name] for name in wanted)
+
+
+def _check_settings(
+    *, positive: dict[str, float | None], finite: dict[str, float | None], minimum_contacts: int
+) -> None:
+    """Raise WrongSetting for numbers that mean nothing."""
+    for name, value in positive.items():
+        if value is not None and not 0 < value < LARGEST:
+            raise WrongSetting(f"{name}: expected a number > 0 and below {LARGEST:g}, got {value:g}")
+    for name, value in finite.items():
+        if value is not None and not abs(value) < LARGEST:
+            raise WrongSetting(f"{name}: expected a finite number below {LARGEST:g}, got {value:g}")
+    if minimum_contacts < 1:
+        raise WrongSetting(f"minimum contacts: expected a whole number >= 1, got {minimum_contacts}")
+
+
+def _acceleration(gravity: Sequence[float] | None, dimension: int) -> tuple[float, ...] | None:
+    if gravity is None:
+        return None
+    if len(gravity) != dimension:
+        raise WrongSetting(f"gravity: expected {dimension} components, got {len(gravity)}")
+    if not all(math.isfinite(g) and abs(g) < LARGEST for g in gravity):
+        got = " ".join(f"{g:g}" for g in gravity)
+        raise WrongSetting(f"gravity: expected finite components below {LARGEST:g}, got {got}")
+    return tuple(gravity)
 
 
 def main(arguments: Sequence[str] | None = None, *, prog: str = "python -m postproc") -> int:
     """Run the command; return 0, or 2 when the input is wrong (one line on standard error)."""
-    words = _parser(prog).parse_args(arguments)
+    words = parser(prog).parse_args(arguments)
     try:
-        _check_places(words)
+        check_places(words)
         _deliver(_average_file(words), words)
     except (ReadError, WrongSetting) as error:
         return _complain(f"{prog}: {error}")
@@ -99,23 +166,6 @@ def _complain(line: str) -> int:
     return INPUT_WRONG
 
 
-def _check_places(words: argparse.Namespace) -> None:
-    """Refuse places where results cannot go, before anything is read. Raises WrongSetting."""
-    if words.out is not None:
-        _check_folder("--out", words.out, next(p for p in (words.out, *words.out.absolute().parents) if p.exists()))
-    if words.json not in (None, "-"):
-        _check_folder("--json", words.json, Path(words.json).parent)
-        if Path(words.json).is_dir():
-            raise WrongSetting(f"--json: expected a file, got the folder {words.json or '.'}; name a file in it")
-
-
-def _check_folder(option: str, asked: Path | str, folder: Path) -> None:
-    if not folder.is_dir():
-        raise WrongSetting(f"{option}: expected a place in a folder, got {asked}: {folder} is no folder; name another")
-    if not os.access(folder, os.W_OK | os.X_OK):
-        raise WrongSetting(f"{option}: expected a place that can be written, got {asked}; name another")
-
-
 def _average_file(words: argparse.Namespace) -> Averages:
     from postproc.readers.state import holds_trajectory, read_state
 
@@ -126,7 +176,8 @@ def _average_file(words: argparse.Namespace) -> Averages:
     elif holds_trajectory(words.state):
         reference = read_state(words.state, frame=0)
     return average(
-        snapshot, cells=words.cells, margin=words.margin, minimum_contacts=words.minimum_contacts,
+        snapshot, cells=words.cells, fields=words.fields, weights=words.weights, frame=words.frame_of,
+        kernel=words.kernel, width=words.width, margin=words.margin, minimum_contacts=words.minimum_contacts,
         kn=words.kn, kt=words.kt, reference=reference, rate=words.rate, gravity=words.gravity,
     )
 
@@ -139,43 +190,3 @@ def _deliver(averages: Averages, words: argparse.Namespace) -> None:
     if words.json is not None and words.json != "-":
         Path(words.json).write_text(json_text(averages), encoding="utf-8")
     print(json_text(averages) if words.json == "-" else table_text(averages), end="")
-
-
-class _OneLineParser(argparse.ArgumentParser):
-    """Reports a wrong command in one line."""
-
-    def error(self, message: str) -> NoReturn:
-        self.exit(INPUT_WRONG, f"{self.prog}: {message}; see {self.prog} --help\n")
-
-
-def _parser(prog: str) -> argparse.ArgumentParser:
-    parser = _OneLineParser(prog=prog, description="Micro-macro averages of one granular state.")
-    add = parser.add_argument
-    add("state", type=Path, metavar="STATE", help="neutral state (.h5, .json, NAME of CSV files) or trajectory.h5")
-    add("--frame", type=int, metavar="K", help="frame of a trajectory, from 0; default the last")
-    add("--cells", choices=tuple(CELLS), default="box", help="what to average over; default box")
-    add("--margin", type=_positive, metavar="M", help="border left out by 'inner', m; default two mean diameters")
-    add("--minimum-contacts", type=int, default=MINIMUM_CONTACTS, metavar="N",
-        help="fewer make a rattler; default %(default)s, frictionless 3 in 2D and 4 in 3D")
-    add("--kn", type=_positive, metavar="K", help="normal stiffness, N/m, in place of column kn")
-    add("--kt", type=_positive, metavar="K", help="tangential stiffness, N/m, in place of column kt")
-    add("--reference", type=Path, metavar="STATE", help="state that strains are measured from; "
-        "default the first frame of a trajectory")
-    add("--rate", type=float, metavar="R", help="strain rate for the inertial number, 1/s")
-    add("--gravity", type=float, nargs="+", metavar="G", help="components of gravity, m/s^2")
-    add("--out", type=_folder, metavar="DIR", help="write average.json, cells.csv and state.csv there")
-    add("--json", metavar="FILE", help="write JSON; - for standard output, in place of the table")
-    return parser
-
-
-def _folder(text: str) -> Path:
-    if not text.strip():
-        raise argparse.ArgumentTypeError("expected a folder, got nothing; use . for this one")
-    return Path(text)
-
-
-def _positive(text: str) -> float:
-    value = float(text)
-    if not 0 < value < float("inf"):
-        raise argparse.ArgumentTypeError(f"expected a number > 0, got {text}")
-    return value

@@ -8,18 +8,24 @@ from pathlib import Path
 
 import numpy as np
 
-from postproc.results import Averages, Result, Unavailable, Value, columns_of, headed, reasons_of
+from postproc.results import Averages, Result, Unavailable, Value, columns_of, headed, reasons_of, undefined_in
+
+FILES = ("average.json", "cells.csv", "state.csv")
+"""What `write_files` writes."""
 
 
 def json_text(averages: Averages) -> str:
-    """Return one JSON object; NaN is null, numbers have all their digits."""
+    """Return one JSON object; NaN is null (with the reason under "undefined"), numbers have all their digits."""
     data = {
         "time": _number(averages.time),
         "dimension": averages.dimension,
         "per_unit_thickness": averages.per_thickness,
         "particles": averages.particles,
         "cells": averages.cells,
+        "frame": averages.frame,
         "labels": averages.labels,
+        "cells_without_particles": averages.empty,
+        "coordinates": {name: _json(r) for name, r in averages.coordinates.items()},
         "in_cells": {name: _json(r) for name, r in averages.in_cells.items()},
         "of_state": {name: _json(r) for name, r in averages.of_state.items()},
     }
@@ -27,7 +33,7 @@ def json_text(averages: Averages) -> str:
 
 
 def write_files(folder: Path, averages: Averages) -> None:
-    """Write average.json (everything), cells.csv (a row a cell) and state.csv (one row) in `folder`.
+    """Write average.json (everything), cells.csv (a row a cell, with its place) and state.csv (one row) in `folder`.
 
     Columns of the CSV files are named with their unit in brackets. Unavailable quantities have no column there;
     the reasons are in average.json.
@@ -35,10 +41,10 @@ def write_files(folder: Path, averages: Averages) -> None:
     import pandas as pd
 
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / "average.json").write_text(json_text(averages), encoding="utf-8")
-    cells = {"cell": averages.labels, **columns_of(averages.in_cells)}
+    (folder / FILES[0]).write_text(json_text(averages), encoding="utf-8")
+    cells = {"cell": averages.labels, **columns_of(averages.coordinates), **columns_of(averages.in_cells)}
     state = {"time (s)": [averages.time], **columns_of(averages.of_state)}
-    for name, table in (("cells.csv", cells), ("state.csv", state)):
+    for name, table in zip(FILES[1:], (cells, state), strict=True):
         pd.DataFrame(table).to_csv(folder / name, index=False, float_format="%.17g")
 
 
@@ -52,10 +58,13 @@ def table_text(averages: Averages) -> str:
     cells = f"cells: {averages.cells}" + (f" ({count}; mean, least, largest)" if count > 1 else "")
     head = f"{averages.dimension}D, {averages.particles} particles, {time}, {cells}"
     lines = [head, PER_THICKNESS] if averages.per_thickness else [head]
+    if averages.empty:
+        lines += [f"{averages.empty} of {count} cells without particles: densities and sums are 0 there"]
     lines += ["", *_lines(averages.in_cells), "", "whole box", *_lines(averages.of_state)]
-    reasons = {**reasons_of(averages.in_cells), **reasons_of(averages.of_state)}
-    if reasons:
-        lines += ["", "unavailable", *(f"  {name}: {reason}" for name, reason in reasons.items())]
+    everything = {**averages.in_cells, **averages.of_state}
+    for title, reasons in (("nan", undefined_in(everything)), ("unavailable", reasons_of(everything))):
+        if reasons:
+            lines += ["", title, *(f"  {name}: {reason}" for name, reason in reasons.items())]
     return "\n".join(lines) + "\n"
 
 
@@ -85,7 +94,8 @@ def _spread(values: np.ndarray) -> str:
 def _json(result: Result) -> dict:
     if isinstance(result, Unavailable):
         return {"unavailable": result.reason}
-    return {"unit": result.unit, "components": result.components, "values": _nested(result.values.tolist())}
+    data = {"unit": result.unit, "components": result.components, "values": _nested(result.values.tolist())}
+    return data | ({"undefined": result.undefined} if result.undefined else {})
 
 
 def _nested(values):

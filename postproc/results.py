@@ -24,12 +24,13 @@ class Value:
     """A quantity in K cells: values (K, ...), unit ("1": a pure number), and names of components.
 
     components: () for a scalar, else one suffix a component in the order of the flattened array,
-    such as ("xx", "xy", "yx", "yy").
+    such as ("xx", "xy", "yx", "yy"). undefined: where and why values are NaN; "" when none is.
     """
 
     values: np.ndarray
     unit: str
     components: tuple[str, ...] = ()
+    undefined: str = ""
 
     def columns(self, name: str) -> dict[str, np.ndarray]:
         """Return the scalar columns (K,) of this quantity: "name (unit)", or "name_xx (unit)", ..."""
@@ -53,9 +54,10 @@ Result = Value | Unavailable
 class Averages:
     """All quantities of one state.
 
-    cells: kind of the cells, labels: one name each (K). in_cells: quantities per cell, values
-    (K, ...). of_state: quantities of the whole box, values (1, ...). per_thickness: a 2D state of
-    thickness 1, whose stresses are in N/m.
+    cells: the cells as they were asked for, labels: one name each (K). frame: "cartesian" or "polar", whose
+    components the quantities in cells have. coordinates: where the cells are, values (K,). in_cells: quantities per
+    cell, values (K, ...). of_state: quantities of the whole box, values (1, ...), Cartesian. empty: number of cells
+    without particles, where every density is 0. per_thickness: a 2D state of thickness 1, whose stresses are in N/m.
     """
 
     time: float
@@ -63,13 +65,16 @@ class Averages:
     per_thickness: bool
     particles: int
     cells: str
+    frame: str
     labels: tuple[str, ...]
+    empty: int
+    coordinates: Mapping[str, Value]
     in_cells: Mapping[str, Result]
     of_state: Mapping[str, Result]
 
     def __getitem__(self, name: str) -> np.ndarray:
         """Return the values of a quantity; MissingColumn with the reason if it is unavailable."""
-        result = {**self.in_cells, **self.of_state}[name]
+        result = {**self.coordinates, **self.in_cells, **self.of_state}[name]
         if isinstance(result, Unavailable):
             raise MissingColumn(f"{name}: {result.reason}")
         return result.values
@@ -79,6 +84,11 @@ def columns_of(results: Mapping[str, Result]) -> dict[str, np.ndarray]:
     """Return all scalar columns of the available quantities, by name with unit."""
     available = {name: r for name, r in results.items() if isinstance(r, Value)}
     return {c: v for name, value in available.items() for c, v in value.columns(name).items()}
+
+
+def undefined_in(results: Mapping[str, Result]) -> dict[str, str]:
+    """Return where and why values are NaN, of every quantity that has some."""
+    return {name: r.undefined for name, r in results.items() if isinstance(r, Value) and r.undefined}
 
 
 def reasons_of(results: Mapping[str, Result]) -> dict[str, str]:

@@ -13,8 +13,13 @@ contacts
     [, mx, my, mz (couple on i), ux, uy, uz (spring elongation: elastic displacement of i relative
     to j at the contact, tangential part), overlap, kn, kt]
 walls
-    id, px, py[, pz], nx, ny[, nz] (normal, to the particles' side) or radius for rings,
-    fx, fy[, fz] (force of the particles on the wall)[, torque]
+    id, px, py[, pz], then for a flat wall nx, ny[, nz] (unit normal, from the wall to the particles; px, py[, pz]
+    is any point of it), for a ring radius (px, py its centre; in 3D a cylinder along z), either one NaN where it is
+    the other; fx, fy[, fz] (force of the particles on the wall, so a pressed wall's points against its normal)
+    [, torque (of the particles on a ring about its centre, N m, counter-clockwise)]
+
+What ring walls give: bounds and centre of ring cells, the centre of the polar frame, the annulus as the volume of the
+whole sample. Discs that are glued on them are not particles: volumes are those of the bare annulus.
 """
 
 from __future__ import annotations

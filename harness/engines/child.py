@@ -12,6 +12,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from harness.engines.guardian import Guardian
+
+_guardian = Guardian()
 _lock = threading.Lock()
 _live: set[int] = set()
 _stopped: set[int] = set()
@@ -39,7 +42,8 @@ def run_child(
 ) -> Child:
     """Run `command` in `folder`, standard output and error into the file `log` there.
 
-    A child that outlives `time_limit` seconds is killed with all processes of its group.
+    A child that outlives `time_limit` seconds is killed with all processes of its group; so is one that outlives
+    the harness, even when that is killed.
     A command that cannot be started at all returns code 127 with the reason as last line.
     Raises Stopped when `children_stopped` ended the child or keeps it from starting.
     """
@@ -109,6 +113,7 @@ def _start(command: list[str], folder: Path, out, env: dict[str, str]) -> subpro
         process = subprocess.Popen(command, cwd=folder, stdin=subprocess.DEVNULL, stdout=out,
                                    stderr=subprocess.STDOUT, env=env, start_new_session=True)
         _live.add(process.pid)
+    _guardian.watch(process.pid)
     return process
 
 
@@ -143,6 +148,7 @@ def _reap(process: subprocess.Popen) -> tuple[float, bool]:
         _live.discard(process.pid)
         stopped = process.pid in _stopped
         _stopped.discard(process.pid)
+    _guardian.release(process.pid)
     _, status, usage = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)
     return usage.ru_utime + usage.ru_stime, stopped

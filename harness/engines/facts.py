@@ -48,5 +48,6 @@ def loaded_walls(system: System) -> list[Wall]:
 
 
 def carrier_id(system: System, wall: Wall) -> int:
-    """Return the atom id of the carrier of a wall with a mass: N+1, N+2, ..."""
-    return len(system.particles) + 1 + [w.name for w in loaded_walls(system)].index(wall.name)
+    """Return the atom id of the carrier of a wall with a mass; carriers come after particles and glued discs."""
+    others = len(system.particles) + sum(len(ring.radius) for ring in system.rings)
+    return others + 1 + [w.name for w in loaded_walls(system)].index(wall.name)

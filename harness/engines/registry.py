@@ -7,10 +7,14 @@ from harness.engines.lammps import LAMMPS
 from harness.engines.liggghts import LIGGGHTS
 from harness.engines.protocol import Engine
 from harness.errors import InputError
+from harness.scene.describe import nearest
 
 ENGINES: dict[str, Engine] = {e.name: e for e in (LAMMPS, LIGGGHTS, *KERNELS)}
 
 KERNEL_PREFIX = "kernel:"
+
+USUAL = ("lammps", "liggghts", "kernel")
+"""What `grainproof compare` compares unless told otherwise."""
 
 
 def choose_engines(words: list[str]) -> tuple[Engine, ...]:
@@ -43,7 +47,10 @@ def find_engine(name: str) -> Engine:
 
 
 def _unknown(option: str, word: str) -> InputError:
-    return InputError(file=option, expected=f"names out of {', '.join(['kernel', *ENGINES])}", got=word or "nothing")
+    names = ["kernel", *ENGINES]
+    return InputError(
+        file=option, expected=f"names out of {', '.join(names)}", got=word or "nothing", fix=nearest(word, names)
+    )
 
 
 def _kernels_for(words: list[str]) -> list[Engine]:

@@ -58,3 +58,8 @@ def refused(supports) -> str:
     from harness.engines.protocol import REFUSED
 
     return next((f"{s.effect}: {s.note}" for s in supports if s.level in REFUSED), "")
+
+
+def ring_refusal(system: System) -> str:
+    """The children of the session know particles and fixed planes."""
+    return "rings are not timed" if system.rings else ""

@@ -10,6 +10,7 @@ Deterministic in the seed on one machine; the cache keeps what was made (`harnes
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -53,12 +54,13 @@ class Flow:
         return f"{len(self.radius)} discs grown in shear, root mean square speed {speed:.2g} m/s"
 
 
-def grow_ring(scene: Couette, *, seed: int, cache: Path) -> Flow:
-    """Return the flowing state of this seed. Raises InputError when it cannot be made."""
+def grow_ring(scene: Couette, *, seed: int, cache: Path, begin: Callable[[], None] = lambda: None) -> Flow:
+    """Return the flowing state of this seed; begin is called when it has to be made. Raises InputError if it cannot."""
     path = cached_path(cache, "ring", _key(scene, seed))
     found = _read_flow(path)
     if found is not None:
         return found
+    begin()
     x, v, spin = _grown(scene, inserted(scene, seed))
     write_cached(path, COLUMNS, (*x, radii(scene), *v, *spin), {"seed": seed, "fractions": area_fractions(scene)})
     return _read_flow(path)

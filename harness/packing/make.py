@@ -9,6 +9,7 @@ result (see `harness.packing.cache`).
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -51,9 +52,11 @@ class Packing:
 
 def make_packing(
     particles: RandomParticles, preparation: Preparation, *, stiffness: float, seed: int, cache: Path,
-    scene_folder: Path,
+    scene_folder: Path, begin: Callable[[], None] = lambda: None,
 ) -> Packing:
     """Return the packing of this seed (or the relaxed packing of the file that the scene names).
+
+    begin is called when it has to be made, and is not in the cache.
 
     Raises InputError for a broken packing file, or when the packing cannot be brought to balance.
     """
@@ -68,6 +71,7 @@ def make_packing(
     cached = _read_packing(path)
     if cached is not None:
         return cached
+    begin()
     x, radius, box = _loose(particles, seed) if start is None else _in_its_box(*start)
     return _store(path, key, _relaxed(x, radius, box, preparation, stiffness, particles), radius)
 

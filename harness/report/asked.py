@@ -21,7 +21,7 @@ from harness.scene.contact import (
     ViscousSliding,
 )
 from harness.scene.model import Background
-from harness.scene.system import Constant, Cosine, Loaded, Particles, System, Wall
+from harness.scene.system import Constant, Cosine, Loaded, Particles, Ring, System, Wall
 
 RADIUS, SIDE = 1e-3, 0.02
 """Of the two bodies and of the box, m."""
@@ -63,7 +63,7 @@ def ordinary_cases() -> tuple[System, ...]:
         for base in (walled(dimension), periodic(dimension)):
             cases += [base.with_(normal=law, sliding=None, walls=smooth(base.walls)) for law in NORMALS]
             cases += [base.with_(**laws) for laws in (*TURNING, *((TORSION,) if dimension == 3 else ()))]
-    return tuple(cases)
+    return (*cases, *(ringed().with_(**laws) for laws in ({"sliding": None}, *TURNING)))
 
 
 def smooth(walls: tuple[Wall, ...]) -> tuple[Wall, ...]:
@@ -106,6 +106,19 @@ def walled(dimension: int) -> System:
 def periodic(dimension: int) -> System:
     """Two bodies and no wall, all axes periodic."""
     return walled(dimension).with_(walls=(), periodic=(SIDE,) * dimension)
+
+
+def ringed() -> System:
+    """Two bodies between a ring of six discs that turns and one that rests."""
+    hexagon = np.exp(1j * np.pi / 3 * np.arange(6))
+    rings = (
+        Ring(
+            index=k, name=name, centre=(5e-3, 5e-3), circle=r, omega=omega, radius=np.full(6, RADIUS),
+            x=np.column_stack([5e-3 + r * hexagon.real, 5e-3 + r * hexagon.imag]),
+        )
+        for k, name, r, omega in ((1, "inner", 2.5e-3, 1.0), (2, "outer", SIDE, None))
+    )
+    return walled(2).with_(walls=(), rings=tuple(rings))
 
 
 def _axis(dimension: int, index: int) -> tuple[float, ...]:

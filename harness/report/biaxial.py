@@ -13,18 +13,20 @@ from harness.studies.compare.pointwise import force_deviation
 from postproc.results import headed
 
 if TYPE_CHECKING:
+    from harness.studies.compare.phases import Phase
     from harness.studies.compare.study import Comparison, Run
 
 SHOWN_STRAINS = (0.0, 0.011, 0.042, 0.091)
 """Axial strains of the talk's pictures: 0, 1.1, 4.2 and 9.1 per cent."""
 
 
+TABLES = ("macro", "phases", "deviation", "curves", "states", "growth")
+
+
 def tables(comparison: Comparison) -> dict[str, list[dict]]:
-    """Rows by table name: curves sample by sample, state averages, macroscopic numbers."""
-    return {
-        "macro": macro_rows(comparison), "deviation": deviation_rows(comparison),
-        "curves": curve_rows(comparison), "states": state_rows(comparison), "growth": growth_rows(comparison),
-    }
+    """Rows by table name: macroscopic numbers, parts of the test, curves sample by sample, state averages."""
+    rows = (macro_rows, phase_rows, deviation_rows, curve_rows, state_rows, growth_rows)
+    return {name: make(comparison) for name, make in zip(TABLES, rows, strict=True)}
 
 
 def sections(comparison: Comparison) -> list[Section]:
@@ -35,7 +37,10 @@ def sections(comparison: Comparison) -> list[Section]:
         Section(heading="Numbers of the whole test", note=MACRO_NOTE, rows=macro_page_rows(comparison)),
         Section(heading="Stress and volume against strain", figures=(_curves(comparison),)),
         *_agreement(comparison),
-        Section(heading="Was it quasi-static?", figures=(_quasistatic(comparison),)),
+        Section(
+            heading="How calm was the sample?", note=PHASE_NOTE, rows=phase_page_rows(comparison),
+            figures=(_calm(comparison),),
+        ),
         *_averages(comparison),
         *_pictures(comparison),
     ]
@@ -43,8 +48,16 @@ def sections(comparison: Comparison) -> list[Section]:
 
 MACRO_NOTE = (
     "Stress ratios are formed from measured stresses, never from p_x. Stresses per unit thickness (N/m), volume strain "
-    "positive in compression. With one packing these numbers have no error bar: they are shown, not judged. "
+    "positive in compression. The peak is that of the first loading branch of sigma_zz, smoothed over 0.5 % strain: "
+    "its largest value before it first falls clearly; from and to say where the curve is within 3 % of it. A test that "
+    "never falls clearly has no peak. With one packing these numbers have no error bar: they are shown, not judged. "
     "+- is the standard deviation over packings."
+)
+PHASE_NOTE = (
+    "Measured, not judged, of the first packing. The verdict on the rate of the drive counts the top wall's motion "
+    "alone, and the one on the side wall ends at the peak: neither says that the sample stays near equilibrium. That "
+    "it does would show in a small kinetic over elastic energy (E_kin/E_el, of the recorded frames) and a small swing "
+    "of sigma_zz: standard deviation, lowest and highest value about the mean over the strain of that part."
 )
 DEVIATION_NOTE = (
     "Relative difference of the top-wall force up to the given axial strain (largest so far). kernel:lammps and "
@@ -56,21 +69,52 @@ def macro_rows(comparison: Comparison) -> list[dict]:
     """One row a quantity and engine: mean and standard deviation over packings (None of a single one)."""
     macro = comparison.result.macro
     engines = list(dict.fromkeys(e for e, _ in macro))
-    names = [n for n in MACRO if any(n in v for v in macro.values())]
     return [
         {"quantity": n, "unit": MACRO[n][0], "engine": e, "mean": float(np.mean(values)),
          "standard deviation": float(np.std(values, ddof=1)) if len(values) > 1 else None, "packings": len(values)}
-        for n in names for e in engines if (values := [v[n] for (f, _), v in macro.items() if f == e])
+        for n in MACRO for e in engines if (values := [v[n] for (f, _), v in macro.items() if f == e and n in v])
     ]
 
 
 def macro_page_rows(comparison: Comparison) -> list[dict]:
     """The same for people: one row a quantity, one column an engine."""
     rows: dict[str, dict] = {}
+    engines = dict.fromkeys(e for e, _ in comparison.result.macro)
     for r in macro_rows(comparison):
-        row = rows.setdefault(r["quantity"], {"quantity": r["quantity"], "unit": r["unit"]})
+        row = rows.setdefault(r["quantity"], {"quantity": r["quantity"], "unit": r["unit"], **engines})
         spread = r["standard deviation"]
         row[r["engine"]] = f"{r['mean']:.4g}" + ("" if spread is None else f" +- {spread:.2g} (n = {r['packings']})")
+    return list(rows.values())
+
+
+def phase_rows(comparison: Comparison) -> list[dict]:
+    """One row an engine and part of the test, see `harness.studies.compare.phases`."""
+    return [_phase_row(e, p) for e, phases in comparison.result.phases.items() for p in phases]
+
+
+def _phase_row(engine: str, phase: Phase) -> dict:
+    median, largest = phase.energy or (None, None)
+    s = phase.swing
+    return {
+        "engine": engine, "part": phase.name, "strain, from": phase.low, "strain, to": phase.high,
+        "E_kin/E_el, median": median, "E_kin/E_el, largest": largest,
+        "side wall error, largest": phase.control, "sigma_zz, mean (N/m)": None if s is None else s.mean,
+        "sigma_zz, standard deviation over mean": None if s is None else s.deviation,
+        "sigma_zz, lowest over mean - 1": None if s is None else s.lowest,
+        "sigma_zz, highest over mean - 1": None if s is None else s.highest,
+    }
+
+
+def phase_page_rows(comparison: Comparison) -> list[dict]:
+    """The same for people: one row a part and quantity, one column an engine; without what nobody can tell."""
+    made = phase_rows(comparison)
+    engines = dict.fromkeys(r["engine"] for r in made)
+    rows: dict[tuple[str, str], dict] = {}
+    for r in made:
+        for quantity, value in r.items():
+            if quantity not in ("engine", "part") and value is not None:
+                row = rows.setdefault((r["part"], quantity), {"part": r["part"], "quantity": quantity, **engines})
+                row[r["engine"]] = value
     return list(rows.values())
 
 
@@ -159,7 +203,7 @@ def _growth(comparison: Comparison) -> Figure:
     ))
 
 
-def _quasistatic(comparison: Comparison) -> Figure:
+def _calm(comparison: Comparison) -> Figure:
     shown = _available(comparison, ("kinetic over elastic energy", "largest residual force"))
     figure, axes = figures.new_figure(1, 1 + len(shown), width=4.4 * (1 + len(shown)), height=3.6)
     result = comparison.result
@@ -171,7 +215,8 @@ def _quasistatic(comparison: Comparison) -> Figure:
             a.set_yscale("log", nonpositive="mask")
     return Figure(uri=figures.png_uri(figure), caption=(
         "Error of the stress-controlled side wall; with recorded contacts also kinetic over elastic energy, and the "
-        "largest net force on a particle over the mean contact force. After the peak the sample deforms in bursts."
+        "largest net force on a particle over the mean contact force. After the peak the sample deforms in bursts and "
+        "is not quasi-static."
     ))
 
 

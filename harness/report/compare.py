@@ -7,7 +7,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from harness.report import figures
+from harness.errors import InputError
+from harness.report import biaxial, figures, free
 from harness.report.page import Section, render_page
 from harness.report.tables import Answer, csv_text
 from harness.scene.model import Biaxial
@@ -50,11 +51,25 @@ def write_report(comparison: Comparison, out: Path) -> Written:
     page = render_page(title=comparison.scene.title, lead=f"{summary(comparison)}.", sections=sections)
     for name, rows in tables.items():
         write_text_atomic(out / f"{name}.csv", csv_text(rows))
-    write_json_atomic(out / "report.json", report_data(comparison))
-    write_text_atomic(out / "report.html", page)
+    write_json_atomic(out / DATA, report_data(comparison))
+    write_text_atomic(out / PAGE, page)
     files = tuple(out / f"{name}.csv" for name in tables)
-    picture = _write_picture(comparison, out / "overview.png")
-    return Written(page=out / "report.html", data=out / "report.json", tables=files, picture=picture)
+    picture = _write_picture(comparison, out / PICTURE)
+    return Written(page=out / PAGE, data=out / DATA, tables=files, picture=picture)
+
+
+PICTURE, PAGE, DATA = "overview.png", "report.html", "report.json"
+
+
+def check_report_places(out: Path) -> None:
+    """Raise InputError when a folder stands where a file of the report goes: before anything is run."""
+    names = (PICTURE, PAGE, DATA, *(f"{name}.csv" for name in ("checks", "runs", *biaxial.TABLES, *free.TABLES)))
+    for place in (out / name for name in names):
+        if place.is_dir():
+            raise InputError(
+                file=place, expected="a file or nothing, as the report goes there", got="a folder",
+                fix="move it away or name another --out",
+            )
 
 
 def _write_picture(comparison: Comparison, path: Path) -> Path | None:
@@ -99,7 +114,7 @@ def _run_row(run: Run) -> dict:
     o = run.outcome
     cpu = o.cpu_seconds if o.status == "completed" else None
     return {
-        "engine": run.engine, "packing": run.packing + 1, "outcome": o.status, "version": o.engine_version,
+        "engine": run.engine, "packing": run.packing + 1, "status": o.status, "version": o.engine_version,
         "particles": o.particles, "steps": o.steps, "CPU (s)": cpu,
         "CPU per step (us)": None if cpu is None else 1e6 * cpu / o.steps, "reason": o.reason,
     }
@@ -120,12 +135,19 @@ def report_data(comparison: Comparison) -> dict:
     }
 
 
+FAILED = {
+    "unstable": "was unstable", "crashed": "crashed", "timed_out": "timed out", "unavailable": "is unavailable",
+    "unsupported": "cannot compute this scene",
+}
+"""What became of an engine, as the end of a sentence."""
+
+
 def summary(comparison: Comparison) -> str:
     """Return one line: how large, how many runs, which engines are missing, how many verdicts of each kind."""
     counts = Counter(c.verdict for c in comparison.checks)
     verdicts = ", ".join(f"{n} {v.replace('_', ' ')}" for v, n in counts.items()) or "none could be made"
     failed = {r.engine: r.outcome.status for r in comparison.runs if r.trajectory is None}
-    without = "".join(f", {engine} is {status.replace('_', ' ')}" for engine, status in failed.items())
+    without = "".join(f", {engine} {FAILED[status]}" for engine, status in failed.items())
     system = comparison.starts[0].system
     return (
         f"{len(system.particles)} particles, {system.steps} steps of {system.dt:.4g} s; "
@@ -140,6 +162,4 @@ def _reproduce(comparison: Comparison) -> list[str]:
 
 def _kind(comparison: Comparison):
     """The module that knows this kind of scene's figures and tables."""
-    from harness.report import biaxial, free
-
     return biaxial if isinstance(comparison.scene, Biaxial) else free

@@ -2,30 +2,43 @@
 
 from __future__ import annotations
 
-from typing import get_args
+from collections.abc import Sequence
+from dataclasses import dataclass
 
-from harness.engines.protocol import Level, Support
-from harness.engines.registry import ENGINES
+from harness.engines.protocol import Support
+from harness.engines.registry import ENGINES, KERNEL_PREFIX
 from harness.report.asked import hard_cases, ordinary_cases
-from harness.report.tables import Answer
+from harness.report.parts import Judged, levels_in_words
+from harness.report.tables import Answer, Row
 from harness.scene.effects import EFFECT_NAMES
+from harness.scene.system import System
 
 AS_IT_SHOULD = ("exact", "equivalent")
 """Levels that need no warning."""
 
-Judged = list[tuple[str, Support]]
-"""Judgements with the engine that made them."""
+
+@dataclass(frozen=True, kw_only=True)
+class Judgement:
+    """What one engine says of one effect of one system."""
+
+    engine: str
+    system: System
+    support: Support
 
 
 def engines_answer() -> Answer:
     """Return what is installed, the support matrix with its notes, the known limits and the known defects."""
-    judged = [(n, s) for n, e in ENGINES.items() for system in ordinary_cases() for s in e.supports(system)]
+    judged = [
+        Judgement(engine=n, system=system, support=s)
+        for n, e in ENGINES.items() for system in ordinary_cases() for s in e.supports(system)
+    ]
     rows = {
         "engines": engine_rows(), "support": support_rows(judged), "notes": note_rows(judged), "limits": limit_rows(),
         "defects": defect_rows(),
     }
     titles = ("Engines", "What each engine does with each effect", "How it does it", "Known limits", "Known defects")
-    return Answer(tables=dict(zip(titles, rows.values(), strict=True)), data=rows)
+    shown = {name: _kernels_as_one(table) if name == "support" else table for name, table in rows.items()}
+    return Answer(tables=dict(zip(titles, shown.values(), strict=True)), data=rows, prose=True)
 
 
 def engine_rows() -> list[dict]:
@@ -37,34 +50,45 @@ def engine_rows() -> list[dict]:
     ]
 
 
-def support_rows(judged: Judged) -> list[dict]:
-    """One row an effect or law that scenes can call for, one column an engine: its levels, None if it names none.
+def support_rows(judged: Sequence[Judgement]) -> list[dict]:
+    """One row an effect or law that scenes can call for, one column an engine: its level, None if it names none.
 
-    Several levels: it depends on what else there is (walls, dimension, other laws), and the notes say on what.
+    Where the level depends on what else there is, the cell says on what: "exact, but partial in 3D".
     """
-    found: dict[tuple[str, str], set[Level]] = {}
-    for engine, s in judged:
-        found.setdefault((s.effect, engine), set()).add(s.level)
+    found: dict[tuple[str, str], list[Judged]] = {}
+    for j in judged:
+        found.setdefault((j.support.effect, j.engine), []).append(Judged(j.system, j.support.level))
     return [
-        {"effect": effect, **{e: _levels(found.get((effect, e), set())) for e in ENGINES}} for effect in EFFECT_NAMES
+        {"effect": effect, **{e: levels_in_words(found.get((effect, e), [])) for e in ENGINES}}
+        for effect in EFFECT_NAMES
     ]
 
 
-def _levels(found: set[Level]) -> str | None:
-    """Write levels from the best to the worst."""
-    return ", ".join(level.replace("_", " ") for level in get_args(Level) if level in found) or None
+def _kernels_as_one(rows: list[dict]) -> list[Row]:
+    """Put the conventions of the kernel into one column where they say the same throughout."""
+    kernels = [name for name in ENGINES if name.startswith(KERNEL_PREFIX)]
+    if any(len({row[name] for name in kernels}) > 1 for row in rows):
+        return rows
+    others = [name for name in rows[0] if name not in kernels]
+    return [{**{name: row[name] for name in others}, f"{KERNEL_PREFIX}*": row[kernels[0]]} for row in rows]
 
 
-def note_rows(judged: Judged) -> list[dict]:
+def note_rows(judged: Sequence[Judgement]) -> list[dict]:
     """One row a distinct note: the engine and the effects it is about."""
-    about: dict[tuple[str, str], list[str]] = {}
-    for engine, s in judged:
-        about.setdefault((engine, s.note), []).append(s.effect)
-    every = {engine: {s.effect for e, s in judged if e == engine} for engine, _ in judged}
-    return [
-        {"engine": e, "effect": "all" if set(of) == every[e] else ", ".join(dict.fromkeys(of)), "note": note}
-        for (e, note), of in about.items()
-    ]
+    about: dict[tuple[str, str], dict[str, None]] = {}
+    every: dict[str, dict[str, None]] = {}
+    for j in judged:
+        about.setdefault((j.engine, j.support.note), {})[j.support.effect] = None
+        every.setdefault(j.engine, {})[j.support.effect] = None
+    return [{"engine": e, "effect": _these(list(of), list(every[e])), "note": note} for (e, note), of in about.items()]
+
+
+def _these(effects: list[str], every: list[str]) -> str:
+    """Name effects, or those that are left out where that is shorter."""
+    rest = [effect for effect in every if effect not in effects]
+    if not rest:
+        return "all"
+    return f"all but {', '.join(rest)}" if len(rest) < len(effects) else ", ".join(effects)
 
 
 def limit_rows() -> list[dict]:

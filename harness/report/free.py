@@ -13,9 +13,12 @@ if TYPE_CHECKING:
     from harness.studies.compare.study import Comparison
 
 
+TABLES = ("exits", "collisions")
+
+
 def tables(comparison: Comparison) -> dict[str, list[dict]]:
     """Rows by table name."""
-    return {"exits": exit_rows(comparison), "collisions": collision_rows(comparison)}
+    return dict(zip(TABLES, (exit_rows(comparison), collision_rows(comparison)), strict=True))
 
 
 def sections(comparison: Comparison) -> list[Section]:

@@ -46,7 +46,7 @@ def run_row(run: SingleRun) -> dict:
     from harness.runs.outcome import describe_outcome
 
     return {
-        "engine": run.engine, "outcome": run.outcome.status, "what": describe_outcome(run.outcome),
+        "engine": run.engine, "status": run.outcome.status, "what": describe_outcome(run.outcome),
         "folder": str(run.folder) if run.folder.exists() else None,
     }
 
@@ -66,6 +66,11 @@ def trajectory_table(run: SingleRun) -> list[dict]:
     """One row a frame and body: time and every recorded column."""
     return [
         {"time (s)": frame.time,
-         **{headed(name, UNITS[name]): float(values[k]) for name, values in frame.particles.items()}}
+         **{headed(name, UNITS[name]): _plain(name, values[k]) for name, values in frame.particles.items()}}
         for frame in run.trajectory for k in range(frame.particles.rows)
     ]
+
+
+def _plain(name: str, value: float) -> int | float:
+    """Return a number for JSON and CSV: names of bodies are whole."""
+    return int(value) if name == "id" else float(value)

@@ -4,11 +4,16 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable, Mapping, Sequence
+import shutil
+import textwrap
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 
 Row = Mapping[str, object]
 
+PAGE, NARROWEST = 120, 12
+"""Characters: of a line where no terminal tells its width, and of a wrapped column at least."""
 
 COLOURS = {
     "agrees": "green", "differs": "bold red", "inconclusive": "yellow", "not_checked": "magenta",
@@ -18,21 +23,28 @@ COLOURS = {
 
 @dataclass(frozen=True, kw_only=True)
 class Answer:
-    """What a command has to say: tables by title for people, data for programs (see `runs.atomic.json_text`)."""
+    """What a command has to say: tables by title for people, data for programs (see `runs.atomic.json_text`).
+
+    prose: cells hold sentences, which are read and not searched: they are wrapped off the terminal, too.
+    """
 
     tables: Mapping[str, Sequence[Row]]
     data: object
+    prose: bool = False
 
 
-def print_table(rows: Sequence[Row], title: str) -> None:
-    """Print rows (same keys in each) as a table; words of verdicts and outcomes are coloured."""
+def print_table(rows: Sequence[Row], title: str, *, prose: bool = False) -> None:
+    """Print rows (same keys in each) as a table; words of verdicts and outcomes are coloured.
+
+    Off the terminal every row is one line, unless it is `prose`: then as wide as COLUMNS says, else PAGE.
+    """
     from rich.console import Console
     from rich.markup import escape
     from rich.table import Table
 
     console = Console()
     if not console.is_terminal:
-        print(plain_table(rows, title))
+        print(plain_table(rows, title, width=shutil.get_terminal_size((PAGE, 1)).columns if prose else None))
         return
     table = Table(title=escape(title), title_justify="left", show_lines=False)
     for name in rows[0] if rows else ():
@@ -42,14 +54,36 @@ def print_table(rows: Sequence[Row], title: str) -> None:
     console.print(table)
 
 
-def plain_table(rows: Sequence[Row], title: str) -> str:
-    """Return rows (same keys in each) as aligned plain text, one line a row whatever the terminal's width."""
+def plain_table(rows: Sequence[Row], title: str, *, width: int | None = None) -> str:
+    """Return rows (same keys in each) as aligned plain text, one line a row; with a `width` cells are wrapped into it.
+
+    Columns narrower than their share keep their width, the others share what is left; none gets less than
+    NARROWEST characters, however narrow the page.
+    """
     if not rows:
         return f"{title}\n  nothing"
     cells = [list(rows[0]), *([text(v) for v in row.values()] for row in rows)]
     widths = [max(len(row[k]) for row in cells) for k in range(len(cells[0]))]
-    lines = ("  " + "  ".join(c.ljust(w) for c, w in zip(row, widths, strict=True)).rstrip() for row in cells)
+    if width is not None:
+        widths = _shares(widths, width - 2 * len(widths))
+    lines = (line for row in cells for line in _lines(row, widths))
     return "\n".join([title, *lines])
+
+
+def _shares(wanted: Sequence[int], room: int) -> list[int]:
+    """Divide `room` characters among columns: what is wanted, or an equal share of what the narrower ones leave."""
+    widths = list(wanted)
+    for left, k in zip(range(len(widths), 0, -1), sorted(range(len(widths)), key=wanted.__getitem__), strict=True):
+        widths[k] = min(wanted[k], max(NARROWEST, room // left))
+        room -= widths[k]
+    return widths
+
+
+def _lines(row: Sequence[str], widths: Sequence[int]) -> Iterator[str]:
+    """Yield the lines of one row, words unbroken where they fit."""
+    wrapped = (textwrap.wrap(c, w, break_on_hyphens=False) or [""] for c, w in zip(row, widths, strict=True))
+    for cells in zip_longest(*wrapped, fillvalue=""):
+        yield "  " + "  ".join(c.ljust(w) for c, w in zip(cells, widths, strict=True)).rstrip()
 
 
 def csv_text(rows: Iterable[Row]) -> str:

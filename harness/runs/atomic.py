@@ -6,6 +6,8 @@ import json
 import math
 import os
 import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -21,15 +23,25 @@ def write_bytes_atomic(path: Path, data: bytes) -> None:
     """Write a file: temporary file beside `path`, flush to disk, rename, flush the folder."""
     path = Path(path)
     part = path.with_name(f".{path.name}.{os.getpid()}.{threading.get_ident()}.part")
+    with writing(path):
+        try:
+            with open(part, "wb") as f:
+                f.write(data)
+                f.flush()
+                os.fsync(f.fileno())
+            os.replace(part, path)
+        finally:
+            part.unlink(missing_ok=True)
+        flush_folder(path.parent)
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Name `path` in errors of the system met inside: a full disk does not say of itself where it is."""
     try:
-        with open(part, "wb") as f:
-            f.write(data)
-            f.flush()
-            os.fsync(f.fileno())
-        os.replace(part, path)
-    finally:
-        part.unlink(missing_ok=True)
-    flush_folder(path.parent)
+        yield
+    except OSError as error:
+        raise OSError(error.errno, error.strerror or str(error), str(path)) from error
 
 
 def write_json_atomic(path: Path, value: Any) -> None:

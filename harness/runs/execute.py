@@ -17,6 +17,7 @@ import numpy as np
 
 from harness import __version__
 from harness.engines.protocol import REFUSED
+from harness.runs.atomic import writing
 from harness.runs.folder import RunFolder, deck_digest, record_file
 from harness.runs.native import NativePolicy, settle_native
 from harness.runs.outcome import Outcome, host_facts, write_outcome
@@ -45,7 +46,7 @@ def run_one(
     probe = probe or engine.probe()
     folder = RunFolder.of(root, system, engine.name, probe.version)
     start = {"started": datetime.now(UTC), "load_average": os.getloadavg()[0]}
-    outcome = partial(_outcome, engine, system, probe, **start)
+    outcome = partial(outcome_of, engine, system, probe, **start)
     if not probe.available:
         return outcome(status="unavailable", reason=probe.detail), folder.path
     supports = engine.supports(system)
@@ -75,7 +76,8 @@ class _Run:
 
     def perform(self, time_limit: float, outcome: Callable[..., Outcome]) -> Outcome:
         """Make the folder, run, keep what came of it; outcome.json is the last file written."""
-        self.folder.prepare(self.deck)
+        with writing(self.folder.path):
+            self.folder.prepare(self.deck)
         result = self.engine.run(self.folder.path, time_limit=time_limit)
         self.timings.update(result.timings)
         made = outcome(**self._facts(result), **self._verdict(result), timings=self.timings)
@@ -108,7 +110,7 @@ class _Run:
     def _keep(self, trajectory: Trajectory) -> dict:
         """Write the trajectory and read it back; only then may native dumps be touched."""
         path = self.folder.trajectory
-        with self._timed("write"):
+        with self._timed("write"), writing(path):
             write_trajectory(path, trajectory)
             if not same_trajectory(read_trajectory(path), trajectory):
                 raise RuntimeError(f"{path} does not read back as it was written")
@@ -146,7 +148,8 @@ def _quote(support: Support) -> str:
     return f"{support.effect}: {support.level.replace('_', ' ')}: {support.note}"
 
 
-def _outcome(engine: Engine, system: System, probe: Probe, **facts) -> Outcome:
+def outcome_of(engine: Engine, system: System, probe: Probe, **facts) -> Outcome:
+    """Return the outcome of a run that has just ended. facts: what it does not know by itself."""
     return Outcome(
         scene_name=system.scene_name,
         engine=engine.name,

@@ -25,10 +25,11 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 from harness import SCHEMA
 from harness.engines.child import raise_if_stopping
+from harness.errors import InputError
 from harness.runs.atomic import json_text, write_json_atomic
 from harness.runs.outcome import Damaged, FileRecord, Outcome, read_outcome
 
@@ -37,7 +38,7 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 
-IDENTITY = "identity.json"
+IDENTITY, LOCKS, TRASH = "identity.json", ".locks", ".trash"
 
 LOCK_POLL = 0.1
 """Seconds between two looks at a taken lock; a blocking wait could not be interrupted."""
@@ -55,6 +56,19 @@ def runs_root(out: Path | None = None) -> Path:
     return (Path(own) if own else Path(general) / "grainproof").absolute() / "runs"
 
 
+def require_folder(place: Path) -> None:
+    """Raise InputError when something else stands where a folder goes; what is not there will be made."""
+    if os.path.lexists(place) and not place.is_dir():
+        got = "a link to nothing" if place.is_symlink() and not place.exists() else "a file"
+        raise InputError(file=place, expected="a folder", got=got, fix="remove it or name another --out")
+
+
+def require_root(root: Path) -> None:
+    """Raise InputError when runs, or their locks, cannot be kept at `root`."""
+    for place in (root, root / LOCKS, root / TRASH):
+        require_folder(place)
+
+
 @dataclass(frozen=True, kw_only=True)
 class RunFolder:
     """One run's folder; it need not exist. `identity` is what its name is the hash of."""
@@ -63,14 +77,14 @@ class RunFolder:
     name: str
     identity: Mapping[str, object]
 
-    @staticmethod
-    def of(root: Path, system: System, engine: str, version: str) -> RunFolder:
-        """Return the folder of `system` run by this version of `engine`."""
-        identity = {"system": system.identity(), "engine": engine, "version": version, "schema": SCHEMA}
+    @classmethod
+    def of(cls, root: Path, system: System, engine: str, version: str, **more: object) -> Self:
+        """Return the folder of `system` run by this version of `engine`. more: what else decides, as JSON-able data."""
+        identity = {"system": system.identity(), "engine": engine, "version": version, "schema": SCHEMA, **more}
         digest = hashlib.sha256(json.dumps(identity, sort_keys=True).encode()).hexdigest()
         readable = re.sub(r"[^A-Za-z0-9_.]+", "_", system.scene_name)[:40].lstrip(".") or "scene"
         name = f"{readable}-{engine.replace(':', '-')}-{digest[:12]}"
-        return RunFolder(root=Path(root).absolute(), name=name, identity=identity)
+        return cls(root=Path(root).absolute(), name=name, identity=identity)
 
     @property
     def path(self) -> Path:
@@ -87,15 +101,40 @@ class RunFolder:
         """trajectory.h5, of completed runs only."""
         return self.path / "trajectory.h5"
 
+    @property
+    def lock_file(self) -> Path:
+        """What its owner holds locked; it stays when the owner has gone."""
+        return self.root / LOCKS / f"{self.name}.lock"
+
+    @staticmethod
+    def at(path: Path) -> RunFolder:
+        """Return the run folder that is found at `path`, whatever it was made of."""
+        return RunFolder(root=path.parent, name=path.name, identity={})
+
+    def busy(self) -> bool:
+        """Return whether somebody owns the folder right now; writes nothing."""
+        if not self.lock_file.exists():
+            return False
+        with open(self.lock_file) as handle:
+            return not _try_lock(handle)
+
+    @contextmanager
+    def try_lock(self) -> Iterator[bool]:
+        """Own the folder if nobody else does; yields whether."""
+        with self._open_lock() as handle:
+            yield _try_lock(handle)
+
+    def _open_lock(self):
+        self.lock_file.parent.mkdir(parents=True, exist_ok=True)
+        return open(self.lock_file, "a")
+
     @contextmanager
     def lock(self) -> Iterator[None]:
         """Own the folder against other threads and processes; freed even when the owner is killed.
 
         Raises harness.engines.child.Stopped when the harness stops while it waits.
         """
-        file = self.root / ".locks" / f"{self.name}.lock"
-        file.parent.mkdir(parents=True, exist_ok=True)
-        with open(file, "a") as handle:
+        with self._open_lock() as handle:
             if not _try_lock(handle):
                 log.warning("%s: busy with the same run elsewhere, waiting for it", self.name)
                 while not _try_lock(handle):
@@ -110,7 +149,7 @@ class RunFolder:
         engine that outlived a killed harness goes on writing into the one to be deleted.
         """
         if self.path.exists():
-            trash = self.root / ".trash" / f"{self.name}-{time.time_ns()}"
+            trash = self.root / TRASH / f"{self.name}-{time.time_ns()}"
             trash.parent.mkdir(exist_ok=True)
             os.replace(self.path, trash)
             shutil.rmtree(trash, ignore_errors=True)
@@ -181,7 +220,7 @@ def list_runs(root: Path) -> list[tuple[Path, Outcome | None, str]]:
 
 def _peek(path: Path) -> tuple[Outcome | None, str]:
     try:
-        outcome = RunFolder(root=path.parent, name=path.name, identity={}).read()
+        outcome = RunFolder.at(path).read()
     except Damaged as error:
         return None, str(error)
     return (outcome, "") if outcome else (None, "unfinished")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 import os
 import platform
@@ -86,17 +87,33 @@ class Outcome(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
             raise ValueError(f"timings must be finite and >= 0, got {self.timings}")
 
 
+CHECKSUM = "sha256"
+"""The last entry of outcome.json: of all the others, so that an edited outcome is not believed."""
+
+
 def write_outcome(path: Path, outcome: Outcome) -> None:
     """Write atomically; the file's presence says that everything beside it is complete."""
-    write_text_atomic(path, msgspec.json.format(msgspec.json.encode(outcome).decode(), indent=2) + "\n")
+    sealed = msgspec.to_builtins(outcome) | {CHECKSUM: _checksum(outcome)}
+    write_text_atomic(path, msgspec.json.format(msgspec.json.encode(sealed).decode(), indent=2) + "\n")
 
 
 def read_outcome(path: Path) -> Outcome:
     """Read what `write_outcome` wrote. Raises Damaged on anything else, FileNotFoundError if absent."""
     try:
-        return msgspec.json.decode(path.read_bytes(), type=Outcome)
+        raw = msgspec.json.decode(path.read_bytes(), type=dict)
+        checksum = raw.pop(CHECKSUM, None)
+        outcome = msgspec.convert(raw, Outcome)
     except (msgspec.DecodeError, UnicodeDecodeError) as error:
         raise Damaged(f"{path.name} is damaged: {error}") from error
+    if checksum != _checksum(outcome):
+        said = "has no checksum" if checksum is None else "is not what was written (SHA-256 differs)"
+        raise Damaged(f"{path.name} {said}")
+    return outcome
+
+
+def _checksum(outcome: Outcome) -> str:
+    """SHA-256 of the outcome as compact JSON, its entries in the order of their declaration."""
+    return hashlib.sha256(msgspec.json.encode(outcome)).hexdigest()
 
 
 def describe_outcome(outcome: Outcome) -> str:

@@ -13,12 +13,13 @@ from collections.abc import Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from harness.engines.child import children_stopped
 from harness.runs.execute import run_one
-from harness.runs.folder import RunFolder
+from harness.runs.folder import RunFolder, require_root
 from harness.runs.native import NativePolicy
 from harness.runs.outcome import Outcome, describe_outcome, usable_cores
 from harness.runs.progress import Progress, Silent
@@ -54,6 +55,16 @@ class _Planned:
     probe: Probe
     folder: RunFolder
     cost: float
+    since: datetime
+
+    def begun(self) -> bool:
+        """Return whether the run is being made; before, a finished one may still be found to be good."""
+        return self.folder.path.exists() and not self.folder.outcome.exists()
+
+    def last_words(self, outcome: Outcome) -> str:
+        """Say how the run ended, and of one that is older than this call that it was kept."""
+        kept = f"kept, made {outcome.finished:%Y-%m-%d %H:%M} UTC: " if outcome.started < self.since else ""
+        return f"{self.job.label}: {kept}{describe_outcome(outcome)}"
 
     def fraction(self) -> float:
         """Return the part of the steps that is done, 0 while the engine's table cannot be read."""
@@ -78,8 +89,9 @@ def run_many(
     SystemExit goes on. An executor of other processes has to see to its own engines: Ctrl-C in a
     terminal reaches them, a signal to this process alone does not.
     Errors of the harness are raised together, as ExceptionGroup, once all other jobs are done; the
-    runs of those are on disk.
+    runs of those are on disk. Raises InputError when runs cannot be kept at `root`.
     """
+    require_root(Path(root))
     plan = _plan([Job(*job) for job in jobs], Path(root))
     progress = progress or Silent()
     workers = max(1, min(workers or usable_cores(), len(plan)))
@@ -100,6 +112,7 @@ def run_many(
 
 def _plan(jobs: list[Job], root: Path) -> list[_Planned]:
     """Ask each engine once for its version; the folder follows from it, and with it the progress."""
+    since = datetime.now(UTC)
     probes = {id(engine): engine.probe() for engine in {id(j.engine): j.engine for j in jobs}.values()}
     return [
         _Planned(
@@ -108,6 +121,7 @@ def _plan(jobs: list[Job], root: Path) -> list[_Planned]:
             probe=probes[id(job.engine)],
             folder=RunFolder.of(root, job.system, job.engine.name, probes[id(job.engine)].version),
             cost=job.engine.microseconds_per_step(job.system) * job.system.steps,
+            since=since,
         )
         for number, job in enumerate(jobs)
     ]
@@ -123,16 +137,16 @@ def _watch(futures: dict[Future, _Planned], progress: Progress) -> None:
     while pending:
         done, pending = wait(pending, timeout=POLL, return_when=FIRST_COMPLETED)
         for future in done:
-            progress.done(futures[future].number, _last_words(future, futures[future].job.label))
+            progress.done(futures[future].number, _last_words(future, futures[future]))
         for future in pending:
-            if future.running():
+            if future.running() and futures[future].begun():
                 progress.running(futures[future].number, futures[future].fraction())
 
 
-def _last_words(future: Future, label: str) -> str:
-    error = future.exception()
+def _last_words(future: Future, planned: _Planned) -> str:
+    error, label = future.exception(), planned.job.label
     if error is None:
-        return f"{label}: {describe_outcome(future.result()[0])}"
+        return planned.last_words(future.result()[0])
     if isinstance(error, KeyboardInterrupt):  # a worker process met the interrupt first
         raise error
     return f"{label}: error in the harness: {type(error).__name__}: {error}"

@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 UNKNOWN_AT_WALLS = frozenset(("ux", "uy", "uz", "mx", "my", "mz", "kn", "kt"))
 """Contact columns that may be NaN in the rows of walls (j < 0), where an engine cannot tell them."""
 
+PLANE_ONLY, RING_ONLY = frozenset(("nx", "ny")), frozenset(("radius", "torque"))
+"""Columns of walls that are NaN in the rows of the other kind: a ring has no normal, a plane no radius."""
+
 START_TOLERANCE = 1e-9
 """In radii: decks carry 17 digits, so frame 0 differs from the packing by rounding only."""
 
@@ -55,6 +58,7 @@ def _frame_fault(system: System, step: int, frame: Snapshot) -> Fault | None:
         or _not_finite_frame(step, frame)
         or _wrong_time(system, step, frame.time)
         or _outside(system, step, frame)
+        or _through_ring(system, step, frame)
     )
 
 
@@ -67,7 +71,8 @@ def _frames_missing(system: System, trajectory: Trajectory) -> Fault | None:
 
 def _series_missing(system: System, trajectory: Trajectory) -> Fault | None:
     if trajectory.series is None:
-        return Fault(status="crashed", reason="no series of wall forces") if system.walls else None
+        needed = system.walls or system.rings
+        return Fault(status="crashed", reason="no series of wall forces") if needed else None
     missing = [c for c in _series_columns(system) if c not in trajectory.series]
     if missing:
         return Fault(status="crashed", reason=f"the series has no column {', '.join(missing)}")
@@ -78,7 +83,8 @@ def _series_missing(system: System, trajectory: Trajectory) -> Fault | None:
 
 def _series_columns(system: System) -> list[str]:
     parts = ["d", "v", *(f"f{a}" for a in "xyz"[: system.dimension])]
-    return ["step", "time", *(f"{w.name}_{p}" for w in system.walls for p in parts)]
+    rings = [f"{r.name}_{p}" for r in system.rings for p in ("angle", "torque", "fx", "fy")]
+    return ["step", "time", *(f"{w.name}_{p}" for w in system.walls for p in parts), *rings]
 
 
 def _crashed(what: str, steps: tuple, expected: tuple[int, ...]) -> Fault:
@@ -91,8 +97,9 @@ def _crashed(what: str, steps: tuple, expected: tuple[int, ...]) -> Fault:
 
 def _wrong_tables(system: System, step: int, frame: Snapshot) -> Fault | None:
     walls = [] if frame.walls is None else frame.walls["id"].tolist()
-    if walls != [w.index for w in system.walls]:
-        return Fault(status="crashed", reason=f"step {step}: walls {walls}, the scene has {len(system.walls)}")
+    expected = [w.index for w in (*system.walls, *system.rings)]
+    if walls != expected:
+        return Fault(status="crashed", reason=f"step {step}: walls {walls}, the scene has {len(expected)}")
     if (frame.contacts is not None) != system.contacts:
         verb = "no contacts though the scene asks for them" if system.contacts else "contacts nobody asked for"
         return Fault(status="crashed", reason=f"step {step}: the frame has {verb}")
@@ -124,6 +131,9 @@ def _not_finite(table: Columns, group: str, steps: np.ndarray) -> Fault | None:
         bad = ~np.isfinite(values)
         if group == "contacts" and name in UNKNOWN_AT_WALLS:
             bad &= ~(np.isnan(values) & (table["j"] < 0))
+        if group == "walls" and name in PLANE_ONLY | RING_ONLY:
+            rings = ~np.isnan(table["radius"]) if "radius" in table else np.zeros(table.rows, bool)
+            bad &= ~(np.isnan(values) & (rings if name in PLANE_ONLY else ~rings))
         if bad.any():
             row = int(np.argmax(bad))
             return Fault(status="unstable", reason=f"step {steps[row]:.0f}: {group} {name} is {values[row]} "
@@ -152,6 +162,17 @@ def _outside(system: System, step: int, frame: Snapshot) -> Fault | None:
         if distance[worst] < 0:
             return Fault(status="unstable", reason=f"step {step}: particle {worst + 1} is "
                                                    f"{-distance[worst]:.3g} m behind wall '{wall.name}'")
+    return None
+
+
+def _through_ring(system: System, step: int, frame: Snapshot) -> Fault | None:
+    """Find a particle whose centre has passed the circle of a ring: between glued discs, or over one."""
+    x = frame.particles.vector(*frame.axes)
+    for ring in system.rings:
+        before, now = (np.linalg.norm(y - ring.centre, axis=1) < ring.circle for y in (system.particles.x, x))
+        if (before != now).any():
+            particle = int(np.argmax(before != now)) + 1
+            return Fault(status="unstable", reason=f"step {step}: particle {particle} went through ring '{ring.name}'")
     return None
 
 

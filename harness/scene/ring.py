@@ -26,6 +26,9 @@ DENSEST = 0.9
 PICOMETRE = 12
 """Decimals to which glued discs are placed: the last bits of sine and cosine differ between machines."""
 
+MOST_DISCS = 1_000_000
+"""Between the rings, and on each of them: more is a slip."""
+
 NARROWEST = 4.0
 """Least gap between the rings in diameters of the largest disc."""
 
@@ -90,6 +93,18 @@ def flowing_discs(scene: Couette, state: FlowingDiscs) -> Particles:
 
 
 # --- checks ----------------------------------------------------------------------------------
+
+
+def few_enough(scene: Couette) -> Iterator[Fault]:
+    """As many discs as a box may have, and no more glued ones than those."""
+    count, r = sum(s.count for s in scene.particles.species), scene.rings
+    if count > MOST_DISCS:
+        yield Fault(place="particles.species", expected=f"at most {MOST_DISCS} discs in all", got=str(count))
+    if math.pi * max(r.outer_radius, r.inner_radius) > MOST_DISCS * r.grain_radius:
+        yield Fault(
+            place="rings.grain_radius", got=f"{r.grain_radius:g}", fix="take larger ones",
+            expected=f"a radius of which at most {MOST_DISCS} discs fit on a ring",
+        )
 
 
 def rings_leave_room(scene: Couette) -> Iterator[Fault]:
@@ -166,7 +181,7 @@ def band_within_gap(scene: Couette) -> Iterator[Fault]:
 
 
 OF_RINGS = (
-    ring_contacts_are_linear, rings_leave_room, discs_fit, ring_turns, ring_times_in_order, band_within_gap,
+    ring_contacts_are_linear, few_enough, rings_leave_room, discs_fit, ring_turns, ring_times_in_order, band_within_gap,
 )
 """The checks, in the order in which faults are reported."""
 

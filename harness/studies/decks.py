@@ -24,8 +24,8 @@ from harness.scene.model import Couette
 from harness.scene.resolve import resolve, scene_name
 from harness.studies.prepare import prepare
 
-LARGEST = 64_000
-"""Bytes; about five hundred discs."""
+LARGEST = 30_000
+"""Bytes; about 250 discs."""
 
 Decks = Mapping[str, str]
 """Deck texts by ``<scene>/<engine>/<file>``."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -70,29 +71,31 @@ def _packed(
     shown.begin(labels, [1.0] * count)
     try:
         for number, label in enumerate(labels):
-            shown.running(number, 0.0)
-            starts.append(_start(scene, path, number, cache))
+            starts.append(_start(scene, path, number, cache, partial(shown.running, number, 0.0)))
             shown.done(number, f"{label}: {starts[-1].packing.says}")
     finally:
         shown.end()
     return starts
 
 
-def _start(scene: Biaxial | Couette, path: Path, number: int, cache: Path) -> Prepared:
-    packing = MAKERS[type(scene)](scene, path, (scene.particles.seed or 0) + number, cache)
+def _start(scene: Biaxial | Couette, path: Path, number: int, cache: Path, begin: Begin) -> Prepared:
+    packing = MAKERS[type(scene)](scene, path, (scene.particles.seed or 0) + number, cache, begin)
     return Prepared(number=number, system=resolve(scene, path, packing), packing=packing)
 
 
-def _box(scene: Biaxial, path: Path, seed: int, cache: Path) -> Packing:
+def _box(scene: Biaxial, path: Path, seed: int, cache: Path, begin: Begin) -> Packing:
     return make_packing(
         scene.particles, scene.preparation, stiffness=first_stiffness(scene.contact.normal), seed=seed, cache=cache,
-        scene_folder=path.parent,
+        scene_folder=path.parent, begin=begin,
     )
 
 
-def _ring(scene: Couette, _: Path, seed: int, cache: Path) -> Flow:
-    return grow_ring(scene, seed=seed, cache=cache)
+def _ring(scene: Couette, _: Path, seed: int, cache: Path, begin: Begin) -> Flow:
+    return grow_ring(scene, seed=seed, cache=cache, begin=begin)
 
+
+Begin = Callable[[], None]
+"""Called when a packing has to be made."""
 
 MAKERS = {Biaxial: _box, Couette: _ring}
 """What makes the start of a scene, by its kind."""

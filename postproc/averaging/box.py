@@ -7,8 +7,8 @@ from functools import cached_property
 
 import numpy as np
 
-from postproc.averaging.cells import Weighted
-from postproc.geometry import box_bounds, volume_between
+from postproc.averaging.cells import Entries, Weighted
+from postproc.geometry import positions, sample_volume
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -18,11 +18,14 @@ class Box(Weighted):
     labels = ("box",)
 
     @cached_property
-    def weights(self) -> np.ndarray:
-        """Ones, (1, N)."""
-        return np.ones((1, self.snapshot.particles.rows))
+    def entries(self) -> Entries:
+        """Every particle, with weight 1."""
+        rows = np.arange(self.snapshot.particles.rows)
+        return Entries(
+            cell=np.zeros_like(rows), particle=rows, weight=np.ones(len(rows)), x=positions(self.snapshot)
+        )
 
     @cached_property
     def volumes(self) -> np.ndarray:
-        """Product of the box lengths, in 2D times the thickness, (1,)."""
-        return np.array([volume_between(box_bounds(self.snapshot), self.snapshot)])
+        """Product of the box lengths, or the annulus between ring walls; in 2D times the thickness, (1,)."""
+        return np.array([sample_volume(self.snapshot)])

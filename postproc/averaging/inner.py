@@ -7,8 +7,9 @@ from functools import cached_property
 
 import numpy as np
 
-from postproc.averaging.cells import Weighted
-from postproc.geometry import box_bounds, periodic_axes, positions, volume_between
+from postproc.averaging.cells import Entries, Weighted
+from postproc.averaging.partition import CENTRE, entries_of, placed, shares_in_rectangles
+from postproc.geometry import box_bounds, periodic_axes, volume_between
 from postproc.snapshot import MissingColumn
 
 DEFAULT_MARGIN = 4.0
@@ -18,15 +19,16 @@ died out there; the right margin of a study is the one beyond which its answer s
 
 @dataclass(frozen=True, kw_only=True)
 class Inner(Weighted):
-    """Particles whose centre lies in the box inset by `margin` (m) on every axis with walls.
+    """The box inset by `margin` (m) on every axis with walls.
 
-    Weight 1 for a centre inside, 0 outside: a particle across the border counts whole or not at
-    all. Averages over many borders or packings are right (as many parts stick out as stick in);
-    one snapshot scatters by about (border particles)^(1/2) / (particles). In an ordered packing
-    aligned with the border the error does not average out. Exact area fractions are another cell.
+    weights "centre" (default): 1 for a centre inside, 0 outside, so a particle across the border counts
+    whole or not at all. Averages over many borders or packings are right (as many parts stick out as
+    stick in); one snapshot scatters by about (border particles)^(1/2) / (particles). In an ordered packing
+    aligned with the border the error does not average out. weights "area": exact fractions.
     """
 
     margin: float | None = None
+    weights: str = CENTRE
 
     labels = ("inner",)
 
@@ -40,11 +42,13 @@ class Inner(Weighted):
         return bounds
 
     @cached_property
-    def weights(self) -> np.ndarray:
-        """1 for centres inside, (1, N). An axis without walls has no border: all of it is inside."""
-        x, (low, high) = positions(self.snapshot), self.bounds.T
-        inside = ((x >= low) & (x < high)) | periodic_axes(self.snapshot)
-        return inside.all(axis=1).astype(np.float64)[None, :]
+    def entries(self) -> Entries:
+        """Parts inside. An axis without walls has no border: all of it is inside."""
+        whole = np.array([-np.inf, np.inf])
+        periodic = periodic_axes(self.snapshot)
+        borders = [whole if free else limits for free, limits in zip(periodic, self.bounds, strict=True)]
+        where = placed(self.snapshot, self.weights, axes=())
+        return entries_of(shares_in_rectangles(borders, where, self.weights), where)
 
     @cached_property
     def volumes(self) -> np.ndarray:

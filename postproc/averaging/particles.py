@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -18,6 +19,11 @@ class Particles(Cells):
     The weights would be the identity matrix; it is not stored.
     """
 
+    @property
+    def coordinates(self) -> Mapping[str, np.ndarray]:
+        """x, y[, z]: the centres."""
+        return {axis: self.snapshot.particles[axis] for axis in self.snapshot.axes}
+
     @cached_property
     def labels(self) -> tuple[str, ...]:
         """The particles' ids."""
@@ -31,6 +37,11 @@ class Particles(Cells):
     def total(self, q: np.ndarray) -> np.ndarray:
         """Q^p itself."""
         return np.asarray(q, dtype=np.float64)
+
+    def gradient(self, q: np.ndarray, mass: np.ndarray | None = None) -> np.ndarray:
+        """NaN: one particle has no gradient."""
+        del mass
+        return np.full((*np.shape(q), self.snapshot.dimension), np.nan)
 
     def largest(self, q: np.ndarray) -> np.ndarray:
         """Q^p itself."""

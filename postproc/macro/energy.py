@@ -7,10 +7,7 @@ import numpy as np
 from postproc.averaging.cells import Cells
 from postproc.geometry import vector
 from postproc.macro.contact_ends import ContactEnds, recorded_contacts
-from postproc.snapshot import MissingColumn
-
-CENTRAL = 1e-9
-"""Tangential over total force below which all forces of a state count as central (round-off)."""
+from postproc.macro.springs import has_tangential_springs
 
 
 def translational_energy(cells: Cells) -> np.ndarray:
@@ -46,10 +43,9 @@ def tangential_elastic_energy(ends: ContactEnds, cells: Cells, kt: float | None 
     energy if every contact force is central (springs push sideways), and an unknown one otherwise.
     """
     contacts = recorded_contacts(cells.snapshot)
-    if "ux" not in contacts:
-        _require_central_forces(ends)
+    if not has_tangential_springs(ends, cells.snapshot):
         return cells.total(np.zeros(ends.count))
-    u = _known(vector(contacts, "u", cells.snapshot), "u")
+    u = vector(contacts, "u", cells.snapshot)
     stiffness = contacts["kt"] if kt is None else kt
     return _held_by_particles(stiffness * (u**2).sum(axis=1) / 2.0, ends, cells)
 
@@ -57,17 +53,3 @@ def tangential_elastic_energy(ends: ContactEnds, cells: Cells, kt: float | None 
 def _held_by_particles(energy: np.ndarray, ends: ContactEnds, cells: Cells) -> np.ndarray:
     """Sum energies of contacts (C,) over the particles of each cell."""
     return cells.total(ends.sum_c(ends.share * energy[ends.contact]))
-
-
-def _require_central_forces(ends: ContactEnds) -> None:
-    along = (ends.f * ends.n).sum(axis=1, keepdims=True) * ends.n
-    tangential = np.linalg.norm(ends.f - along, axis=1).max(initial=0.0)
-    if tangential > CENTRAL * np.linalg.norm(ends.f, axis=1).max(initial=0.0):
-        raise MissingColumn("contacts has no column 'ux', yet some forces have a tangential part")
-
-
-def _known(values: np.ndarray, name: str) -> np.ndarray:
-    unknown = np.flatnonzero(np.isnan(values).any(axis=1))
-    if unknown.size:
-        raise MissingColumn(f"contacts.{name} is not known in {unknown.size} of {len(values)} rows")
-    return values

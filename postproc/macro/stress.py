@@ -9,7 +9,6 @@ from __future__ import annotations
 import numpy as np
 
 from postproc.averaging.cells import Cells, divide
-from postproc.geometry import vector
 from postproc.macro.contact_ends import ContactEnds, outer
 
 
@@ -22,17 +21,17 @@ def stress(ends: ContactEnds, cells: Cells) -> np.ndarray:
     Stress"; Laetzel, Luding, Herrmann, Granular Matter 2, 123 (2000), section 4.
     """
     l, f = ends.l, ends.f  # noqa: E741
-    return -cells.density(ends.sum_c(outer(l, f)))
+    return -cells.contact_density(ends, outer(l, f))
 
 
-def kinetic_stress(cells: Cells) -> np.ndarray:
-    """sigma^k = (1/V) sum_p w_V^p m^p v'^p v'^p, shape (K, dim, dim).
+def kinetic_stress(velocity: np.ndarray, cells: Cells) -> np.ndarray:
+    """sigma^k = (1/V) sum_p w_V^p m^p v'^p v'^p, shape (K, dim, dim), from velocities (N, dim) in the cells' frame.
 
     v' is the velocity relative to the cell's mean (by mass), so a mean shear inside a cell counts as
     fluctuation: keep cells small against it. NaN in a cell without particles. Add it to `stress`
     when a state moves. Source: the talk, "Stress tensor (dynamic)"; Goldhirsch, Granular Matter 12,
     239 (2010), the same with point weights.
     """
-    m, v = cells.snapshot.particles["mass"], vector(cells.snapshot.particles, "v", cells.snapshot)
+    m, v = cells.snapshot.particles["mass"], velocity
     rho, j = cells.density(m), cells.density(m[:, None] * v)
     return cells.density(m[:, None, None] * outer(v, v)) - divide(outer(j, j), rho)

@@ -51,5 +51,6 @@ def _direction(ascending: np.ndarray, vector: np.ndarray) -> np.ndarray:
     scale = np.abs(ascending).max(axis=-1)
     single = ascending[..., -1] - ascending[..., -2] > ISOTROPIC * scale
     clean = np.where(np.abs(vector) > ISOTROPIC, vector, 0.0)
-    last = np.apply_along_axis(lambda v: np.append(0.0, v[v != 0.0])[-1], -1, clean)
-    return np.where(single[:, None], clean * np.sign(last)[:, None], np.nan)
+    from_last = np.sign(clean[:, ::-1])
+    sign = np.take_along_axis(from_last, np.argmax(from_last != 0.0, axis=1)[:, None], axis=1)
+    return np.where(single[:, None], clean * sign, np.nan)

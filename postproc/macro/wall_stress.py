@@ -36,14 +36,28 @@ def stress_from_walls(snapshot: Snapshot) -> np.ndarray:
     both faces. Needs no contacts. The diagonal equals that of the mean stress in equilibrium with
     frictionless walls; with wall friction, and for shear components, the walls' totals do not say
     where a force acts, and `stress_from_wall_contacts` is the exact form.
+    MissingColumn unless every wall is normal to an axis and every face has one.
     """
     _closed_box(snapshot)
     if snapshot.walls is None:
         raise MissingColumn("walls were not recorded")
     x, n, f = (vector(snapshot.walls, letter, snapshot) for letter in "pnf")
+    _walls_on_every_face(n, snapshot)
     normal_to = np.abs(n) == 1.0
     arm = np.where(normal_to, x - _middle(snapshot), 0.0)
     return outer(arm, f).sum(axis=0) / volume_between(box_bounds(snapshot), snapshot)
+
+
+def _walls_on_every_face(n: np.ndarray, snapshot: Snapshot) -> None:
+    """Normals (W, dim) must be those of the faces; a wall that is left out would be a stress of 0."""
+    along = (np.abs(n) == 1.0).any(axis=1)
+    if not along.all():
+        oblique = snapshot.walls["id"][np.argmin(along)]
+        raise MissingColumn(f"wall {oblique:.0f} is not normal to an axis")
+    for axis, name in enumerate(snapshot.axes):
+        for sign, side in ((1.0, "lower"), (-1.0, "upper")):
+            if not (n[:, axis] == sign).any():
+                raise MissingColumn(f"there is no wall at the {side} end of {name}")
 
 
 def _middle(snapshot: Snapshot) -> np.ndarray:

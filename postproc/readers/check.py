@@ -6,11 +6,19 @@ from pathlib import Path
 
 import numpy as np
 
+from postproc.geometry import positions, vector
 from postproc.snapshot import Columns, Snapshot
 from postproc.trajectory import GROUPS, ReadError
 
-MAY_BE_UNKNOWN = ("ux", "uy", "uz")
-"""Columns in which NaN says that one row lacks the value (a spring that an engine cannot tell)."""
+MAY_BE_UNKNOWN = {"contacts": ("ux", "uy", "uz"), "walls": ("nx", "ny", "nz", "radius", "torque")}
+"""Columns in which NaN says that one row lacks the value: a spring that an engine cannot tell, the normal of a ring,
+radius and torque of a plane."""
+
+LARGEST = 1e30
+"""Numbers beyond this are no physical values of grains in SI units, and high powers of them overflow."""
+
+UNIT = 1e-9
+"""How far the length of a normal may be from 1."""
 
 
 def wrong(path: Path, place: str, expected: str, got: object) -> ReadError:
@@ -26,7 +34,7 @@ def check_snapshot(path: Path, snapshot: Snapshot, place: str = "") -> Snapshot:
     """Return the snapshot if it is sound; raise ReadError at the first fault.
 
     Finite numbers everywhere (NaN only in MAY_BE_UNKNOWN), positive radii, masses and box lengths,
-    ids unique, contacts between particles that exist or with walls that exist (if walls are
+    unit normals of walls, ids unique, contacts between particles that exist or with walls that exist (if walls are
     recorded at all), each pair listed once (in a periodic box two images may touch twice).
     `place` goes before every place, e.g. ``frame 3: ``.
     """
@@ -40,6 +48,7 @@ def check_snapshot(path: Path, snapshot: Snapshot, place: str = "") -> Snapshot:
     check.positive(snapshot.particles, "particles", "radius", "mass", "inertia")
     if snapshot.walls is not None:
         check.ids(snapshot.walls, "walls")
+        check.walls(snapshot)
     if snapshot.contacts is not None:
         check.partners(snapshot)
     return snapshot
@@ -59,10 +68,9 @@ class _Check:
     def finite(self, table: Columns, group: str) -> None:
         for name in table:
             values = table[name]
-            good = np.isfinite(values)
-            if group == "contacts" and name in MAY_BE_UNKNOWN:
-                good = good | np.isnan(values)
-            self.all_good(good, values, f"{group}.{name}", "a finite number")
+            unknown = np.isnan(values) & (name in MAY_BE_UNKNOWN.get(group, ()))
+            self.all_good(unknown | np.isfinite(values), values, f"{group}.{name}", "a finite number")
+            self.all_good(unknown | (np.abs(values) < LARGEST), values, f"{group}.{name}", f"less than {LARGEST:g}")
 
     def positive(self, table: Columns, group: str, *names: str) -> None:
         for name in names:
@@ -77,6 +85,22 @@ class _Check:
         first[np.unique(ids, return_index=True)[1]] = True
         self.all_good(first, ids, f"{group}.id", "every id once")
 
+    def walls(self, snapshot: Snapshot) -> None:
+        """A wall is flat, with a unit normal, or a ring, with a radius."""
+        walls, names = snapshot.walls, ["n" + axis for axis in snapshot.axes]
+        flat, ring = np.zeros((2, walls.rows), dtype=bool)
+        if names[0] in walls:
+            length = np.linalg.norm(walls.vector(*names), axis=1)
+            flat = np.isfinite(length)
+            self.all_good(~flat | (np.abs(length - 1.0) < UNIT), length, "walls.n", "a normal of length 1")
+        if "radius" in walls:
+            radius = walls["radius"]
+            ring = np.isfinite(radius)
+            self.all_good(~ring | (radius > 0), radius, "walls.radius", "a number > 0")
+        if names[0] in walls or "radius" in walls:
+            kinds = flat.astype(float) + ring
+            self.all_good(kinds == 1, kinds, "walls", "either a normal or a radius in every row")
+
     def partners(self, snapshot: Snapshot) -> None:
         contacts = snapshot.contacts
         i, j = contacts["i"], contacts["j"]
@@ -89,6 +113,19 @@ class _Check:
         self.all_good(i != j, i, "contacts", "two different particles")
         if not any(snapshot.periodic or ()):
             self.once(i, j)
+        self.points(snapshot)
+
+    def points(self, snapshot: Snapshot) -> None:
+        """A contact point on a centre has no direction from there."""
+        contacts = snapshot.contacts
+        x, known = positions(snapshot), snapshot.particles["id"]
+        order = np.argsort(known)
+        for name in ("i", "j"):
+            rows = np.flatnonzero(contacts[name] >= 0)
+            particle = order[np.searchsorted(known, contacts[name][rows], sorter=order)]
+            apart = np.full(contacts.rows, np.inf)
+            apart[rows] = np.abs(vector(contacts, "p", snapshot)[rows] - x[particle]).max(axis=1)
+            self.all_good(apart > 0, contacts[name], "contacts.p", f"a point beside the centre of particle {name}")
 
     def once(self, i: np.ndarray, j: np.ndarray) -> None:
         pairs = np.flatnonzero(j >= 0)
@@ -108,4 +145,4 @@ class _Check:
         if np.shape(box) != (snapshot.dimension, 2):
             raise wrong(self.path, f"{self.prefix}box", f"shape ({snapshot.dimension}, 2)", np.shape(box))
         lengths = np.diff(box, axis=1)[:, 0]
-        self.all_good(np.isfinite(lengths) & (lengths > 0), lengths, "box", "upper bounds above lower bounds")
+        self.all_good((lengths > 0) & (lengths < LARGEST), lengths, "box", "upper bounds above lower bounds")

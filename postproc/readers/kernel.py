@@ -61,9 +61,9 @@ def _read_frame(group, attributes, periodic: Sequence[float] | None) -> Snapshot
 
 
 def _box(walls: Columns | None, dimension: int, periodic: Sequence[float] | None) -> np.ndarray | None:
-    """Return the box; the two ends of a periodic axis bound it like a pair of walls."""
+    """Return the box; the two ends of a periodic axis bound it like a pair of walls, and rings bound nothing."""
     names = [letter + a for letter in "pn" for a in "xyz"[:dimension]]
-    rows = [] if walls is None else list(walls.vector(*names))
+    rows = list(walls.vector(*names)) if walls is not None and "nx" in walls else []
     for axis, length in enumerate(periodic or ()):
         if length > 0:
             unit = np.eye(dimension)[axis]

@@ -3,7 +3,7 @@
 What the deck writes, and what is made of it here:
 
 series.dat            step, time, and per wall: displacement along the normal, rate (moving walls only:
-                      those of a fixed wall are 0), force of the particles on it
+                      those of a fixed wall are 0), force of the particles on it; per ring torque and force
 walls.dat             the same columns at the frames
 frames.dump           particles with unwrapped positions; with contact output also, per wall, a flag
                       and the force of the wall on the particle
@@ -21,6 +21,14 @@ import numpy as np
 
 from postproc.readers.check import check_snapshot
 from postproc.readers.dump import read_dump, read_table
+from postproc.readers.rings import (
+    COLUMNS,
+    GluedRing,
+    name_rings,
+    ring_series,
+    with_glued_discs,
+    with_ring_rows,
+)
 from postproc.readers.rows import pair_geometry, particle_rows, spread, summed_rotations, wall_rows
 from postproc.readers.walls import box_from_walls
 from postproc.snapshot import Columns, Snapshot
@@ -60,6 +68,7 @@ def read_lammps(
     sliding: bool,
     spring_stiffness: float | None,
     rotations: bool = False,
+    rings: Sequence[GluedRing] = (),
 ) -> Trajectory:
     """Read a finished run.
 
@@ -72,7 +81,7 @@ def read_lammps(
     belong together.
     """
     folder = Path(folder)
-    reader = _Reader(folder, dimension, tuple(planes), periodic, sliding, spring_stiffness)
+    reader = _Reader(folder, dimension, tuple(planes), tuple(rings), periodic, sliding, spring_stiffness)
     series = reader.table(SERIES)
     particles = read_dump(folder / FRAMES, kind="ATOMS", names=reader.particle_columns(contacts, rotations))
     steps = [step for step, _ in particles]
@@ -102,6 +111,7 @@ class _Reader:
     folder: Path
     dimension: int
     planes: tuple[Plane, ...]
+    rings: tuple[GluedRing, ...]
     periodic: Sequence[float] | None
     sliding: bool
     spring_stiffness: float | None
@@ -111,15 +121,17 @@ class _Reader:
         return "xyz"[: self.dimension]
 
     def table(self, name: str) -> Columns:
-        """Read a table and add what is true of fixed walls: they do not move."""
+        """Read a table and add what is true of fixed walls, which do not move, and of rings, which turn uniformly."""
         found = read_table(self.folder / name)
         still = {f"{p.name}_{c}" for p in self.planes if not p.moving for c in "dv"}
         wanted = [f"{p.name}_{c}" for p in self.planes for c in ("d", "v", *(f"f{a}" for a in self.axes))]
+        wanted += [f"{r.name}_{c}" for r in self.rings for c in COLUMNS]
         missing = [c for c in ("step", "time", *wanted) if c not in found and c not in still]
         if missing:
             raise ReadError(f"{self.folder / name}: has no column {missing[0]!r}; it has {' '.join(found)}")
         zero = np.zeros(found.rows)
-        return Columns({c: zero if c in still else found[c] for c in ("step", "time", *wanted)}, "series")
+        columns = {c: zero if c in still else found[c] for c in ("step", "time", *wanted)}
+        return Columns(columns | ring_series(self.rings, found["time"]), "series")
 
     def particle_columns(self, contacts: bool, rotations: bool) -> dict[str, str]:
         """Return the columns of frames.dump and the names they get here."""
@@ -136,12 +148,13 @@ class _Reader:
 
     def wall_states(self, steps: Sequence[int]) -> list[Columns | None]:
         """Return the walls table of every frame."""
-        if not self.planes:
+        if not self.planes and not self.rings:
             return [None] * len(steps)
         table = self.table(WALLS)
         if not np.array_equal(table["step"], steps):
             raise ReadError(f"{self.folder / WALLS}: its steps are not those of {FRAMES}")
-        return [wall_rows(self.planes, table, k) for k in range(table.rows)]
+        planes = [wall_rows(self.planes, table, k) if self.planes else None for k in range(table.rows)]
+        return [with_ring_rows(rows, self.rings, table, k) for k, rows in enumerate(planes)]
 
     def pairs(self, steps: Sequence[int]) -> list[tuple[Columns, Columns | None]]:
         """Return the contacts of every frame: total forces, and springs if there are any."""
@@ -171,7 +184,7 @@ class _Reader:
         particles = particle_rows(self.folder / FRAMES, atoms, self.dimension, inertia_factor, "u", turned)
         contacts = None
         if pairs is not None:
-            rows = [self._pair_rows(particles, *pairs)]
+            rows = [self._pair_rows(particles, time, *pairs)]
             rows += [self._wall_rows(particles, atoms, walls, k) for k in range(len(self.planes))]
             contacts = Columns({c: np.concatenate([r[c] for r in rows]) for c in rows[0]}, "contacts")
         return Snapshot(
@@ -180,19 +193,22 @@ class _Reader:
             periodic=None if self.periodic is None else tuple(length > 0 for length in self.periodic),
         )
 
-    def _pair_rows(self, particles: Columns, total: Columns, springs: Columns | None) -> dict[str, np.ndarray]:
-        """Return particle-particle contacts, i < j, sorted: f = f_n n + f_t, u = -f_t(springs)/k.
+    def _pair_rows(
+        self, particles: Columns, time: float, total: Columns, springs: Columns | None
+    ) -> dict[str, np.ndarray]:
+        """Return contacts with particles, i < j, and glued discs, sorted: f = f_n n + f_t, u = -f_t(springs)/k.
 
         LAMMPS gives the tangential force on the first atom of its pair, which is i or j.
         """
+        bodies = with_glued_discs(particles, self.rings, time)
         first, second = total["first"].astype(int), total["second"].astype(int)
         i, j, sign = np.minimum(first, second), np.maximum(first, second), np.where(first < second, 1.0, -1.0)
-        normal, overlap, point = pair_geometry(particles, i, j, self.axes, self.periodic)
-        self._agree(particles["radius"][i - 1] + particles["radius"][j - 1] - overlap, total["distance"])
+        normal, overlap, point = pair_geometry(bodies, i, j, self.axes, self.periodic)
+        self._agree(bodies["radius"][i - 1] + bodies["radius"][j - 1] - overlap, total["distance"])
         force = total["normal"][:, None] * normal
         if self.sliding:
             force += sign[:, None] * self._tangential(total)
-        columns = {"i": i, "j": j} | spread("p", point) | spread("f", force)
+        columns = {"i": i, "j": name_rings(j, particles.rows, self.rings)} | spread("p", point) | spread("f", force)
         if springs is not None:
             columns |= spread("u", -sign[:, None] * self._tangential(springs) / self.spring_stiffness)
         order = np.lexsort((j, i))

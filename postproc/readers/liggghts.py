@@ -2,8 +2,8 @@
 
 series.txt          thermodynamic output at samples and frames: step, atoms, kinetic energy, then per wall:
                     displacement along the normal and rate (moving walls only: those of a wall that stays
-                    are 0), force of the particles on it. LIGGGHTS cuts the names in its header line to
-                    eight letters, so columns go by their order.
+                    are 0), force of the particles on it; per ring torque and force. LIGGGHTS cuts the names
+                    in its header line to eight letters, so columns go by their order.
 particles.dump      particles (unwrapped positions if an axis is periodic); with contact output also the
                     force of every primitive plane and of all meshes together on the particle
 contacts.dump       pairs: ids, is it across a periodic boundary, force on the first, what the contact
@@ -22,6 +22,14 @@ import numpy as np
 
 from postproc.readers.check import check_snapshot
 from postproc.readers.dump import read_dump, read_table
+from postproc.readers.rings import (
+    COLUMNS,
+    GluedRing,
+    name_rings,
+    ring_series,
+    with_glued_discs,
+    with_ring_rows,
+)
 from postproc.readers.rows import pair_geometry, particle_rows, spread, summed_rotations, wall_rows
 from postproc.readers.walls import box_from_walls
 from postproc.snapshot import Columns, Snapshot
@@ -61,6 +69,7 @@ def read_liggghts(
     contacts: bool,
     history: Sequence[str],
     rotations: bool = False,
+    rings: Sequence[GluedRing] = (),
 ) -> Trajectory:
     """Read a finished run.
 
@@ -77,7 +86,9 @@ def read_liggghts(
     Raises ReadError (file, line) on files that are missing, cut short, not numbers, or do not belong
     together.
     """
-    reader = _Reader(Path(folder), dimension, tuple(walls), periodic, inertia_factor, dt, contacts, tuple(history))
+    reader = _Reader(
+        Path(folder), dimension, tuple(walls), tuple(rings), periodic, inertia_factor, dt, contacts, tuple(history)
+    )
     table = reader.wall_table()
     atoms = read_dump(reader.folder / PARTICLES, kind="ATOMS")
     steps = [step for step, _ in atoms]
@@ -109,6 +120,7 @@ class _Reader:
     folder: Path
     dimension: int
     walls: tuple[LiggghtsWall, ...]
+    rings: tuple[GluedRing, ...]
     periodic: Sequence[float] | None
     inertia_factor: np.ndarray
     dt: float
@@ -127,26 +139,30 @@ class _Reader:
     # --- series and walls ----------------------------------------------------------------------
 
     def wall_table(self) -> Columns:
-        """Return step, time and the columns of every wall, at samples and frames."""
+        """Return step, time and the columns of every wall and ring, at samples and frames."""
         names = ["step", "atoms", "energy"]
         for wall in self.walls:
             names += [f"{wall.name}_{c}" for c in ((*"dv",) if wall.moves else ())]
             names += [f"{wall.name}_f{a}" for a in self.axes]
+        told = [f"{ring.name}_{c}" for ring in self.rings for c in COLUMNS]
+        names += told
         found = read_table(self.folder / SERIES, names=names)
         columns = {"step": found["step"], "time": found["step"] * self.dt}
         for wall in self.walls:
             for c in "dv":
                 columns[f"{wall.name}_{c}"] = found[f"{wall.name}_{c}"] if wall.moves else np.zeros(found.rows)
             columns |= {f"{wall.name}_f{a}": found[f"{wall.name}_f{a}"] for a in self.axes}
+        columns |= {c: found[c] for c in told} | ring_series(self.rings, columns["time"])
         return Columns(columns, "series")
 
     def _walls_at(self, step: int, table: Columns) -> Columns | None:
-        if not self.walls:
+        if not self.walls and not self.rings:
             return None
         row = int(np.searchsorted(table["step"], step))
         if row == table.rows or table["step"][row] != step:
             raise ReadError(f"{self.folder / SERIES}: has no row of step {step}, which {PARTICLES} has")
-        return wall_rows(self.walls, table, row)
+        planes = wall_rows(self.walls, table, row) if self.walls else None
+        return with_ring_rows(planes, self.rings, table, row)
 
     # --- frames --------------------------------------------------------------------------------
 
@@ -162,7 +178,8 @@ class _Reader:
         walls = self._walls_at(step, table)
         contacts = None
         if pairs is not None:
-            rows = [self._pair_rows(particles, pairs), *self._wall_rows(particles, atoms, walls, shares)]
+            rows = [self._pair_rows(particles, step * self.dt, pairs)]
+            rows += self._wall_rows(particles, atoms, walls, shares)
             contacts = Columns({c: np.concatenate([r[c] for r in rows]) for c in rows[0]}, "contacts")
         return Snapshot(
             time=step * self.dt, dimension=self.dimension, particles=particles, contacts=contacts, walls=walls,
@@ -194,15 +211,16 @@ class _Reader:
     def _is_rough(self, compute: str) -> bool:
         return compute == "pairs" or any(w.rough for w in self.walls if w.mesh is not None)
 
-    def _pair_rows(self, particles: Columns, pairs: Columns) -> Rows:
-        """Return particle-particle contacts, i < j, sorted; LIGGGHTS gives force and spring of the first."""
+    def _pair_rows(self, particles: Columns, time: float, pairs: Columns) -> Rows:
+        """Return contacts with particles, i < j, and glued discs, sorted; LIGGGHTS tells of the first what it feels."""
+        bodies = with_glued_discs(particles, self.rings, time)
         touching = pairs["overlap"] > 0
         first, second = (pairs[c][touching].astype(int) for c in ("first", "second"))
         i, j, sign = np.minimum(first, second), np.maximum(first, second), np.where(first < second, 1.0, -1.0)
-        _, overlap, point = pair_geometry(particles, i, j, self.axes, self.periodic)
+        _, overlap, point = pair_geometry(bodies, i, j, self.axes, self.periodic)
         self._agree(overlap, pairs["overlap"][touching], particles)
         vector = {c: sign[:, None] * pairs.vector(*(c + a for a in self.axes))[touching] for c in self._vectors}
-        columns = {"i": i, "j": j} | spread("p", point)
+        columns = {"i": i, "j": name_rings(j, particles.rows, self.rings)} | spread("p", point)
         for letter, values in vector.items():
             columns |= spread(letter, values)
         columns["overlap"] = overlap
@@ -223,9 +241,9 @@ class _Reader:
         self, particles: Columns, atoms: Columns, walls: Columns | None, shares: Columns | None
     ) -> list[Rows]:
         """Return the contacts with each wall: the particles that overlap it, at the foot of their centre."""
-        if walls is None:
+        if not self.walls:
             return []
-        x, points = particles.vector(*self.axes), walls.vector(*("p" + a for a in self.axes))
+        x, points = particles.vector(*self.axes), walls.vector(*("p" + a for a in self.axes))[: len(self.walls)]
         normals = np.array([w.normal for w in self.walls])
         distance = np.stack([(x - p) @ n for p, n in zip(points, normals, strict=True)], axis=1)
         touches = distance < particles["radius"][:, None]

@@ -13,7 +13,9 @@ Attributes, all optional: ``dimension`` (default: 3 with a column z, else 2), ``
 ``time`` (NaN: not known), ``periodic`` (one boolean an axis), ``box`` (one [lower, upper] an axis;
 default: what axis-aligned walls enclose). Other columns are not read; other groups and attributes are refused,
 since a misspelt ``box`` or ``thickness`` would be passed over without a word.
-``null`` in JSON and an empty field in CSV are NaN, allowed in the columns ux, uy, uz only.
+Normals of walls are brought to length 1; one of length 0 is refused.
+``null`` in JSON and an empty field in CSV are NaN, allowed in ux, uy, uz of contacts, and in the normal, radius and
+torque of walls (a ring has no normal, a flat wall no radius).
 
 A run's ``trajectory.h5`` is accepted wherever a state is, with a frame number.
 """
@@ -29,6 +31,9 @@ from postproc.readers.state_formats import ATTRIBUTES, RawState, format_of
 from postproc.readers.walls import box_from_walls
 from postproc.snapshot import Columns, Snapshot
 from postproc.trajectory import GROUPS, ReadError, Trajectory, read_trajectory
+
+ROUNDING = 1e-15
+"""A normal whose length differs from 1 by less is left as it stands, bit for bit."""
 
 
 def read_state(path: Path, *, frame: int | None = None) -> Snapshot:
@@ -93,6 +98,8 @@ def _snapshot(path: Path, raw: RawState) -> Snapshot:
         raise wrong(path, "particles", "a group of columns", "none")
     dimension = _dimension(path, raw)
     tables = {g: _table(path, g, raw.groups[g], dimension) for g in GROUPS if g in raw.groups}
+    if "walls" in tables:
+        tables["walls"] = _with_unit_normals(tables["walls"], dimension)
     box = _array(path, raw, "box", (dimension, 2), "iuf", "one [lower, upper] an axis, numbers")
     periodic = _array(path, raw, "periodic", (dimension,), "b", "one boolean an axis")
     return Snapshot(
@@ -103,6 +110,16 @@ def _snapshot(path: Path, raw: RawState) -> Snapshot:
         box=box_from_walls(tables.get("walls"), dimension) if box is None else box.astype(np.float64),
         **tables,
     )
+
+
+def _with_unit_normals(walls: Columns, dimension: int) -> Columns:
+    """Normals in decimals are of length 1 nearly, in whole numbers of any; one of length 0 is left to be refused."""
+    names = ["n" + axis for axis in "xyz"[:dimension]]
+    if not all(name in walls for name in names):
+        return walls
+    length = np.linalg.norm(walls.vector(*names), axis=1)
+    scale = np.where((length > 0) & (np.abs(length - 1.0) > ROUNDING), length, 1.0)
+    return Columns({**walls, **{name: walls[name] / scale for name in names}}, "walls")
 
 
 def _dimension(path: Path, raw: RawState) -> int:
@@ -153,7 +170,7 @@ def column_names(group: str, dimension: int) -> tuple[tuple[str, ...], tuple[str
     return {
         "particles": (
             ("id", *axes, "radius"),
-            ("mass", *vector("v"), *vector("w", turns), "inertia"),
+            ("mass", *vector("v"), *vector("w", turns), "inertia", *(("rotation",) if dimension == 2 else ())),
         ),
         "contacts": (
             ("i", "j", *vector("p"), *vector("f")),

@@ -45,6 +45,13 @@ def format_of(path: Path) -> Format:
     return {".h5": HDF5, ".hdf5": HDF5, ".json": JSON}.get(path.suffix.lower(), CSV)
 
 
+def files_of(path: Path) -> tuple[Path, ...]:
+    """Return the files that a state of this name is read from, whether they exist or not."""
+    if format_of(path) is not CSV or not path.name:
+        return (path,)
+    return (*(csv_file(path, group) for group in GROUPS), _attributes_file(path))
+
+
 def _read_hdf5(path: Path) -> RawState:
     import h5py
 
@@ -93,7 +100,7 @@ def _refuse_unknown(path: Path, found: Iterable[str], known: Sequence[str], fix:
 
 def _load_json(path: Path) -> dict:
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
+        data = json.loads(path.read_text(encoding="utf-8-sig"))
     except json.JSONDecodeError as error:
         raise wrong(path, f"line {error.lineno} column {error.colno}", "JSON", error.msg) from error
     except (OSError, UnicodeDecodeError) as error:
@@ -114,9 +121,9 @@ def _with_null(values: np.ndarray) -> list[float | None]:
 
 
 def _read_csv(path: Path) -> RawState:
-    if not csv_file(path, "particles").exists():
+    if not path.name or not csv_file(path, "particles").exists():
         expected = f"an HDF5 or JSON state, or the NAME of a NAME{CSV_PARTICLES}"
-        raise wrong(path, "file", expected, "none of them")
+        raise wrong(path, "file", expected, "a folder" if path.is_dir() else "none of them")
     files = {g: csv_file(path, g) for g in GROUPS}
     attributes = _attributes_file(path)
     return RawState(
@@ -128,7 +135,7 @@ def _read_csv(path: Path) -> RawState:
 def read_csv_table(path: Path) -> dict[str, list[float]]:
     """Read a header line and rows of numbers; an empty field is NaN. ReadError names row and column."""
     try:
-        with open(path, newline="", encoding="utf-8") as f:
+        with open(path, newline="", encoding="utf-8-sig") as f:  # Excel begins files with a BOM
             lines = [line for line in csv.reader(f) if line]
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise wrong(path, "file", "a readable CSV file", error) from error

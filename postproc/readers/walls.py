@@ -1,4 +1,4 @@
-"""What readers of every code need about flat walls."""
+"""What readers of every code need about walls."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ def box_from_walls(
 
     A wall bounds axis a from below when its normal (towards the particles) is +e_a, from above when
     it is -e_a, exactly. Several walls on one side: the innermost bounds. A wall of any other
-    orientation bounds nothing. periodic: the length of each axis in m, 0 for one that is not
+    orientation bounds nothing, nor does a ring. periodic: the length of each axis in m, 0 for one that is not
     periodic; a periodic axis spans 0 to its length.
     """
     lengths = np.zeros(dimension) if periodic is None else np.asarray(periodic, dtype=float)
     axes = "xyz"[:dimension]
     points, normals = np.empty((2, 0, dimension))
-    if walls is not None:
+    if walls is not None and "nx" in walls:
         points, normals = (walls.vector(*(letter + a for a in axes)) for letter in "pn")
     unit = np.eye(dimension)
     box = np.empty((dimension, 2))

@@ -149,18 +149,24 @@ def jkr_force(
     overlap: np.ndarray, separation: np.ndarray, *, pair: ElasticPair, surface_energy: float, damping: float,
     tearing_overlap: float,
 ) -> np.ndarray:
-    """4 E* a^3/(3 R*) - 4 sqrt(pi w E* a^3) - gamma d', (S,) in N, with d = a^2/R* - 2 sqrt(pi w a/E*).
+    """`jkr_elastic_force` - gamma d', (S,) in N, d' the rate of separation.
 
-    Bodies that have touched (d > 0) hold on until d falls below `tearing_overlap` < 0. The contact radius is the
-    stable root, found by halving an interval (Johnson, Kendall & Roberts 1971).
+    Bodies that have touched (d > 0) hold on until d falls below `tearing_overlap` < 0.
     """
-    modulus, radius = pair.effective_modulus, pair.effective_radius
     force = np.zeros(len(overlap))
     held_on = _latched(overlap, tearing_overlap)
-    a = _jkr_radius(overlap[held_on], modulus, radius, surface_energy)
-    root = 4.0 * np.sqrt(math.pi * surface_energy * modulus) * a**1.5
-    force[held_on] = 4.0 * modulus * a**3 / (3.0 * radius) - root - damping * separation[held_on]
+    force[held_on] = jkr_elastic_force(overlap[held_on], pair, surface_energy) - damping * separation[held_on]
     return force
+
+
+def jkr_elastic_force(overlap: np.ndarray, pair: ElasticPair, surface_energy: float) -> np.ndarray:
+    """4 E* a^3/(3 R*) - 4 sqrt(pi w E* a^3), (S,) in N, with d = a^2/R* - 2 sqrt(pi w a/E*), of a contact that holds.
+
+    The contact radius is the stable root, found by halving an interval (Johnson, Kendall & Roberts 1971).
+    """
+    modulus, radius = pair.effective_modulus, pair.effective_radius
+    a = _jkr_radius(overlap, modulus, radius, surface_energy)
+    return 4.0 * modulus * a**3 / (3.0 * radius) - 4.0 * np.sqrt(math.pi * surface_energy * modulus) * a**1.5
 
 
 def jkr_overlap_of_largest_pull(pair: ElasticPair, surface_energy: float) -> float:

@@ -47,12 +47,12 @@ def batch(models: Sequence[Model], *, room: float) -> Batch:
     """Return the replicas as one model, each with `room` (m) on both sides for what its particles will travel.
 
     Bodies pressed together at the start fly farther than their velocities tell, so the caller has to know.
-    Raises ValueError for walls or periodic axes, which would reach into other replicas, and for different laws.
+    Raises ValueError for walls, rings or periodic axes, which may reach into other replicas, and for different laws.
     """
     first = models[0]
     for m in models:
-        if m.walls or m.periodic is not None:
-            raise ValueError("replicas: expected no walls and no periodic axes, which other replicas would meet")
+        if m.walls or m.rings or m.periodic is not None:
+            raise ValueError("replicas: expected no walls, no rings and no periodic axes, which others may meet")
         if any(getattr(m, name) != getattr(first, name) for name in _SHARED):
             raise ValueError(f"replicas: expected the same {', '.join(_SHARED)} in all")
     reach = 2.0 * (room + max(float(m.radius.max()) for m in models))

@@ -32,7 +32,7 @@ import numpy as np
 
 from reference.kernel.interactions import Forces, Interaction
 from reference.kernel.laws.contact import Touching
-from reference.kernel.model import Constant, Loaded, Model
+from reference.kernel.model import Model
 from reference.kernel.neighbours import branch_vectors
 from reference.kernel.simulation import Simulation
 from reference.kernel.vectors import dot, norm, torque_cross
@@ -68,26 +68,19 @@ class CorrectedSimulation(Simulation):
             s = self.state
             before = [_Before.of(s.x.copy(), k) for k in self.interactions]
             force, torque = s.force.copy(), None if s.torque is None else s.torque.copy()
-            wall_kick = dict(self._wall_acceleration)
             self._kick()
             self._drift()
-            self._move_walls()
+            self.walls.move()
+            self._turn_rings()
             self.renew_candidates()
             self._kick()
-            self._predict_walls()
+            self.walls.predict()
             self._evaluate_with(before)
-            self._exchange_kick(force, torque, wall_kick)
+            self._exchange_kick(force, torque)
+            self.walls.replace_kick()
             for interaction, old in zip(self.interactions, before, strict=True):
                 self._correct(interaction, old)
-
-    def _predict_walls(self) -> None:
-        """Give the wall nodes their rates at the end of the step; the mean ones belong to the leapfrog."""
-        s, n = self.state, self.model.particle_count
-        for k, motion in self._moving_walls:
-            if isinstance(motion, Loaded):
-                s.wall_rate[k] += 0.5 * self.model.dt * self._wall_acceleration[k]
-            if not isinstance(motion, Constant):
-                s.v[:, n + k] = s.wall_rate[k] * s.wall_normal[:, k]
+            self.walls.write(s)
 
     def _evaluate_with(self, before: list[_Before]) -> None:
         for interaction, old in zip(self.interactions, before, strict=True):
@@ -119,15 +112,12 @@ class CorrectedSimulation(Simulation):
         normal = s.wall_normal[:, j - self.model.particle_count]
         return s.radius[i] - dot(x[:, i] - x[:, j], normal), normal
 
-    def _exchange_kick(self, force: np.ndarray, torque: np.ndarray | None, wall_kick: dict[int, float]) -> None:
+    def _exchange_kick(self, force: np.ndarray, torque: np.ndarray | None) -> None:
         """Replace the predicted half kick of the old forces by that of the new ones."""
         s, p, half = self.state, self._particles, 0.5 * self.model.dt
         s.v[:, p] += half * (s.force - force)[:, p] * self._inverse_mass
         if torque is not None:
             s.spin[:, p] += half * (s.torque - torque)[:, p] * self._inverse_inertia
-        self._wall_acceleration = self._loaded_accelerations()
-        for k, acceleration in self._wall_acceleration.items():
-            s.wall_rate[k] += half * (acceleration - wall_kick[k])
 
     # --- the impulses of contacts that begin or end ----------------------------------------------
 
@@ -168,9 +158,7 @@ class CorrectedSimulation(Simulation):
         body = j < n
         np.subtract.at(s.v.T, j[body], (impulse[:, body] * self._inverse_mass[j[body]]).T)
         for k in np.flatnonzero(~body):
-            motion = self.model.walls[j[k] - n].motion
-            if isinstance(motion, Loaded):
-                s.wall_rate[j[k] - n] -= float(impulse[:, k] @ s.wall_normal[:, j[k] - n]) / motion.mass
+            self.walls.push(j[k] - n, -impulse[:, k])
 
     def _turn(self, i: np.ndarray, j: np.ndarray, overlap: np.ndarray, moment: np.ndarray) -> None:
         """Take the moments of the tangential impulses, (1|3, K) for an arm of 1, from the spins of both partners."""

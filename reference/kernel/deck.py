@@ -1,8 +1,12 @@
-"""The kernel's own deck: `kernel.json` (walls, laws, numerics) and `particles.csv`, one folder a run."""
+"""The kernel's own deck: `kernel.json` (walls, laws, numerics) and `particles.csv`, one folder a run.
+
+With rings also `rings.csv`: a line for every glued disc.
+"""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,9 +15,11 @@ import numpy as np
 from reference.kernel.conventions import NAMED, Convention
 from reference.kernel.laws.law import Law
 from reference.kernel.laws.registry import LAWS, build_law
-from reference.kernel.model import Constant, Cosine, Fixed, Loaded, Model, Wall
+from reference.kernel.model import Constant, Cosine, Fixed, Loaded, Model, Ring, Wall
 
-DECK, PARTICLES = "kernel.json", "particles.csv"
+DECK, PARTICLES, RINGS = "kernel.json", "particles.csv", "rings.csv"
+RING_COLUMNS = ("ring", "x", "y", "radius")
+"""Of `rings.csv`; ring: the number of the disc's ring among those of `kernel.json`, from 1 on."""
 _MOTIONS = {"fixed": Fixed, "cosine": Cosine, "constant": Constant, "loaded": Loaded}
 
 
@@ -38,13 +44,18 @@ def read_deck(folder: Path) -> tuple[Model, Plan]:
     """Return the problem and the plan of a run folder."""
     deck = json.loads((folder / DECK).read_text())
     columns = particle_columns(deck["dimension"])
-    table = np.loadtxt(folder / PARTICLES, delimiter=",", skiprows=1, ndmin=2)
-    if table.shape[1] != len(columns):
-        raise ValueError(f"{PARTICLES}: expected columns {','.join(columns)}, got {table.shape[1]} columns")
-    return _model(deck, dict(zip(columns, table.T, strict=True))), Plan(**deck["plan"])
+    glued = _columns(folder / RINGS, RING_COLUMNS) if "rings" in deck else {}
+    return _model(deck, _columns(folder / PARTICLES, columns), glued), Plan(**deck["plan"])
 
 
-def _model(deck: dict, p: dict[str, np.ndarray]) -> Model:
+def _columns(path: Path, names: Sequence[str]) -> dict[str, np.ndarray]:
+    table = np.loadtxt(path, delimiter=",", skiprows=1, ndmin=2)
+    if table.shape[1] != len(names):
+        raise ValueError(f"{path.name}: expected columns {','.join(names)}, got {table.shape[1]} columns")
+    return dict(zip(names, table.T, strict=True))
+
+
+def _model(deck: dict, p: dict[str, np.ndarray], glued: dict[str, np.ndarray]) -> Model:
     axes = "xyz"[: deck["dimension"]]
     spins = ["wz"] if deck["dimension"] == 2 else ["wx", "wy", "wz"]
     convention = NAMED[deck["convention"]]
@@ -63,6 +74,7 @@ def _model(deck: dict, p: dict[str, np.ndarray]) -> Model:
         drag=deck.get("drag"),
         periodic=_tuple(deck.get("periodic")),
         rotations=deck.get("rotations", False),
+        rings=tuple(_ring(ring, number, glued) for number, ring in enumerate(deck.get("rings", ()), start=1)),
     )
 
 
@@ -80,6 +92,14 @@ def _wall(deck: dict) -> Wall:
     return Wall(
         name=deck["name"], point=tuple(deck["point"]), normal=tuple(deck["normal"]), friction=deck["friction"],
         motion=_MOTIONS[deck["motion"]["kind"]](**motion),
+    )
+
+
+def _ring(deck: dict, number: int, glued: dict[str, np.ndarray]) -> Ring:
+    mine = glued["ring"] == number
+    return Ring(
+        name=deck["name"], centre=tuple(deck["centre"]), x=np.stack([glued["x"][mine], glued["y"][mine]]),
+        radius=glued["radius"][mine], omega=deck.get("omega"), circle=deck["circle"],
     )
 
 

@@ -1,7 +1,8 @@
-"""From candidates to forces: the touching contacts of particles with particles, and with walls.
+"""From candidates to forces: the touching contacts of particles with particles, with rings, and with walls.
 
-Both kinds are pairs of nodes (i, j): nodes 0..N-1 are particles, N + k is wall k. Only two things
-differ: a wall's branch vector is the distance to the plane, and walls have their own lever arms.
+All are pairs of nodes (i, j): nodes 0..N-1 are particles, N + k is wall k, the discs of rings follow. Few things
+differ: a wall's branch vector is the distance to the plane, walls have their own lever arms, and the mass of walls
+and of glued discs is infinite.
 """
 
 from __future__ import annotations
@@ -14,7 +15,13 @@ import numpy as np
 from reference.kernel.laws.contact import Pressing, Touching
 from reference.kernel.laws.law import Law
 from reference.kernel.model import Model
-from reference.kernel.neighbours import CandidateList, branch_vectors, pairs_within, wall_pairs_within
+from reference.kernel.neighbours import (
+    CandidateList,
+    branch_vectors,
+    pairs_within,
+    ring_pairs_within,
+    wall_pairs_within,
+)
 from reference.kernel.state import State
 from reference.kernel.vectors import dot, spin_cross, torque_cross
 
@@ -40,20 +47,21 @@ class Forces:
 class Interaction:
     """One kind of pairs with their candidate list and the laws that act in them.
 
-    `walls` is None for particles with particles, else the numbers of the walls of this kind. Contacts that
-    are not `rough` know the normal law alone.
+    `walls` is None for particles with particles, or with the glued discs of `rings`; else the numbers of the walls
+    of this kind. Contacts that are not `rough` know the normal law alone.
     """
 
-    def __init__(self, model: Model, *, walls: tuple[int, ...] | None, rough: bool):
+    def __init__(self, model: Model, *, walls: tuple[int, ...] | None, rough: bool, rings: bool = False):
         self.model = model
         self.walls = walls
+        self.rings = rings
         self.normal = model.normal
         self.sliding, self.rolling, self.torsion = (
             (model.sliding, model.rolling, model.torsion) if rough else (None, None, None))
         laws = self._laws()
         self.needs = frozenset().union(*(law.needs for law in laws.values()))
         rows = {family: law.memory_rows(model.dimension) for family, law in laws.items()}
-        self.pairs = CandidateList(model.particle_count + len(model.walls), rows, model.precision)
+        self.pairs = CandidateList(model.node_count, rows, model.precision)
         arms = model.convention
         self.slip_arm = arms.slip_arm if walls is None else arms.wall_slip_arm
         self.torque_arm = arms.torque_arm if walls is None else arms.wall_torque_arm
@@ -67,11 +75,20 @@ class Interaction:
 
     def renew(self, state: State, skin: float) -> None:
         """Find the candidates anew: all pairs with a gap below the skin."""
-        if self.walls is None:
+        if self.rings:
+            found = ring_pairs_within(self.model, state.x, state.radius, skin)
+        elif self.walls is None:
             found = pairs_within(self.model, state.x[:, : self.model.particle_count], skin)
         else:
             found = wall_pairs_within(self.model, state.x, state.wall_normal, self.walls, skin)
         self.pairs.replace(*found)
+
+    def owns(self, j: np.ndarray) -> np.ndarray:
+        """Return whether pairs with the second partners j, (M,), are of this kind."""
+        walls = self.model.wall_nodes
+        if self.rings:
+            return j >= walls.stop
+        return j < walls.start if self.walls is None else np.isin(j - walls.start, self.walls)
 
     def evaluate(self, state: State, v: np.ndarray, spin: np.ndarray, dt: float, *, advance: bool) -> Forces:
         """Return the contact forces, and what contacts remember after them; nothing is changed by it.
@@ -130,7 +147,7 @@ class Interaction:
         if "spin" in self.needs:
             wanted["spin"] = self._relative_spin(state, spin, i, j, overlap)
         if "reduced_radius" in self.needs:
-            wanted["reduced_radius"] = self._reduced(self.model.radius, i, j)
+            wanted["reduced_radius"] = self._reduced(state.radius if self.rings else self.model.radius, i, j)
         if "reduced_mass" in self.needs:
             wanted["reduced_mass"] = self._reduced(self.model.mass, i, j)
         return Touching(i=i, j=j, n=n, overlap=overlap, v_n=v_n, **wanted)
@@ -152,9 +169,9 @@ class Interaction:
         return (radius - 0.5 * overlap) / (radius - overlap) * spin.take(i, axis=1)
 
     def _reduced(self, quantity: np.ndarray, i: np.ndarray, j: np.ndarray) -> np.ndarray:
-        """Return q_i q_j/(q_i + q_j); a wall is infinite, which leaves q_i."""
+        """Return q_i q_j/(q_i + q_j); a wall is infinite, which leaves q_i, and so is a glued disc's mass."""
         q_i = quantity.take(i)
-        if self.walls is not None:
+        if self.walls is not None or self.rings and quantity is self.model.mass:
             return q_i
         q_j = quantity.take(j)
         return q_i * q_j / (q_i + q_j)

@@ -95,6 +95,22 @@ def wall_pairs_within(
     return particle, chosen[wall] + count
 
 
+def ring_pairs_within(model: Model, x: np.ndarray, radius: np.ndarray, skin: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return particle numbers and nodes of glued discs with gap < skin.
+
+    x: (2, n) and radius: (n,) of all nodes.
+    """
+    from scipy.spatial import cKDTree
+
+    count, first = model.particle_count, model.wall_nodes.stop
+    reach = radius[:count].max() + radius[first:].max() + skin
+    particles, glued = (cKDTree(places.T) for places in (x[:, :count], x[:, first:]))
+    found = particles.sparse_distance_matrix(glued, reach, output_type="ndarray")
+    i, j = found["i"], found["j"] + first
+    near = found["v"] < radius[i] + radius[j] + skin
+    return i[near], j[near]
+
+
 def _carried(old_key: np.ndarray, old: np.ndarray, key: np.ndarray) -> np.ndarray:
     """Memory of `key`, taken from `old_key` where the pair was listed before, else zero."""
     memory = np.zeros((len(old), len(key)), old.dtype)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -13,11 +14,15 @@ SERIES, FRAMES = "series.csv", "frames.h5"
 
 
 class SeriesWriter:
-    """One line a sample: step, time and for every wall w: w_d, w_v, w_fx, w_fy[, w_fz] (17 digits)."""
+    """One line a sample: step, time, for every wall w: w_d, w_v, w_fx, w_fy[, w_fz] (17 digits).
+
+    For every ring r: r_angle (rad since the start), r_torque (of the particles on it, about its centre), r_fx, r_fy.
+    """
 
     def __init__(self, path: Path, model: Model):
         axes = "xyz"[: model.dimension]
         columns = [f"{w.name}_{q}" for w in model.walls for q in ("d", "v", *(f"f{a}" for a in axes))]
+        columns += [f"{r.name}_{q}" for r in model.rings for q in ("angle", "torque", "fx", "fy")]
         self._file = open(path, "w")  # noqa: SIM115  (closed by `close`, kept open over the run)
         self._file.write(",".join(["step", "time", *columns]) + "\n")
 
@@ -29,7 +34,12 @@ class SeriesWriter:
             for k in range(len(s.wall_d))
             for value in (s.wall_d[k], s.wall_rate[k], *s.wall_force[:, k])
         ]
-        numbers = (f"{v:.17g}" for v in (simulation.time, *walls))
+        rings = [
+            value
+            for ring, load in zip(simulation.model.rings, ring_loads(simulation), strict=True)
+            for value in (ring.angle(simulation.time), load.torque, *load.force)
+        ]
+        numbers = (f"{v:.17g}" for v in (simulation.time, *walls, *rings))
         self._file.write(",".join([str(s.step), *numbers]) + "\n")
         self._file.flush()
 
@@ -38,12 +48,34 @@ class SeriesWriter:
         self._file.close()
 
 
+@dataclass(frozen=True, kw_only=True)
+class RingLoad:
+    """What particles do to a ring: torque about its centre, N m, and force, (2,) in N."""
+
+    torque: float
+    force: tuple[float, float]
+
+
+def ring_loads(simulation: Simulation) -> list[RingLoad]:
+    """Return the loads that acted on the rings in the last step.
+
+    torque = sum of (x_g - c) x F_g + T_g over the glued discs: F_g the force, T_g the torque on a disc about its own
+    centre (none where no law turns anything).
+    """
+    s, m, made = simulation.state, simulation.model, []
+    for ring, part in zip(m.rings, m.ring_nodes, strict=True):
+        force, couple = s.force[:, part], None if s.torque is None else s.torque[:, part]
+        fx, fy = force.sum(axis=1)
+        made.append(RingLoad(torque=ring.torque(s.x[:, part], force, couple), force=(float(fx), float(fy))))
+    return made
+
+
 def write_frame(file, number: int, simulation: Simulation, *, contacts: bool) -> None:
     """Add group ``frame/<number>`` with particles, walls and, if wanted, contacts."""
     group = file.create_group(f"frame/{number}")
     group.attrs["time"], group.attrs["step"] = simulation.time, simulation.state.step
     _write(group, "particles", particle_table(simulation))
-    if simulation.model.walls:
+    if simulation.model.walls or simulation.model.rings:
         _write(group, "walls", wall_table(simulation))
     if contacts:
         _write(group, "contacts", contact_table(simulation))
@@ -66,22 +98,47 @@ def particle_table(simulation: Simulation) -> dict[str, np.ndarray]:
 
 
 def wall_table(simulation: Simulation) -> dict[str, np.ndarray]:
-    """Columns id, p., n., f. (force of the particles on the wall)."""
-    s, n = simulation.state, simulation.model.particle_count
-    axes = "xyz"[: simulation.model.dimension]
+    """Columns id, p., n., f. (force of the particles on the wall) of the planes, and of the rings: `_ring_table`."""
+    planes, rings = _plane_table(simulation), _ring_table(simulation)
+    if not simulation.model.rings:
+        return planes
+    return _joined(planes, rings) if simulation.model.walls else rings
+
+
+def _plane_table(simulation: Simulation) -> dict[str, np.ndarray]:
+    s, m = simulation.state, simulation.model
+    axes = "xyz"[: m.dimension]
     return {
         "id": np.arange(1.0, len(s.wall_d) + 1),
-        **dict(zip((f"p{a}" for a in axes), s.x[:, n:], strict=True)),
+        **dict(zip((f"p{a}" for a in axes), s.x[:, m.wall_nodes], strict=True)),
         **dict(zip((f"n{a}" for a in axes), s.wall_normal, strict=True)),
         **dict(zip((f"f{a}" for a in axes), s.wall_force, strict=True)),
     }
 
 
+def _ring_table(simulation: Simulation) -> dict[str, np.ndarray]:
+    """Columns id (counted on from the planes), p. (centre), radius (of the circle), f., torque about the centre."""
+    m, loads = simulation.model, ring_loads(simulation)
+    numbers = {
+        "px": [ring.centre[0] for ring in m.rings], "py": [ring.centre[1] for ring in m.rings],
+        "radius": [ring.circle for ring in m.rings], "fx": [load.force[0] for load in loads],
+        "fy": [load.force[1] for load in loads], "torque": [load.torque for load in loads],
+    }
+    ids = len(m.walls) + np.arange(1.0, len(m.rings) + 1)
+    return {"id": ids} | {name: np.array(values, float) for name, values in numbers.items()}
+
+
+def _joined(a: dict[str, np.ndarray], b: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Return the rows of both tables; NaN where one of them does not have a column."""
+    unknown = {0: np.full(len(a["id"]), np.nan), 1: np.full(len(b["id"]), np.nan)}
+    return {name: np.concatenate([a.get(name, unknown[0]), b.get(name, unknown[1])]) for name in {**a, **b}}
+
+
 def contact_table(simulation: Simulation) -> dict[str, np.ndarray]:
     """Columns i, j, p., f. (on i), overlap and, if sliding has a spring, its elongation u. .
 
-    Particle contacts carry the force at the full-step velocities of now, wall contacts (j = -wall)
-    the force that acted in the step, as engines report it.
+    Contacts with particles and with glued discs (j = -ring, counted on from the walls) carry the force at the full-step
+    velocities of now, wall contacts (j = -wall) the force that acted in the step, as engines report it.
     """
     made = [_contact_rows(simulation, k, f) for k, f in simulation.contacts() if k.walls is None]
     made += [_contact_rows(simulation, k, k.last) for k in simulation.interactions if k.walls is not None]
@@ -90,13 +147,13 @@ def contact_table(simulation: Simulation) -> dict[str, np.ndarray]:
 
 def _contact_rows(simulation: Simulation, interaction, forces) -> dict[str, np.ndarray]:
     s, m = simulation.state, simulation.model
-    c, n = forces.contact, m.particle_count
+    c = forces.contact
     axes = "xyz"[: m.dimension]
     reach = s.radius[c.i] - c.overlap * (0.5 if interaction.walls is None else 1.0)
     point = s.x[:, c.i] - reach * c.n
     rows = {
         "i": c.i + 1.0,
-        "j": np.where(c.j < n, c.j + 1.0, n - c.j - 1.0),
+        "j": _partners(m)[c.j],
         **dict(zip((f"p{a}" for a in axes), point, strict=True)),
         **dict(zip((f"f{a}" for a in axes), forces.force, strict=True)),
         "overlap": c.overlap,
@@ -105,6 +162,13 @@ def _contact_rows(simulation: Simulation, interaction, forces) -> dict[str, np.n
         spring = forces.memory.get("sliding", np.zeros_like(c.n))  # a smooth wall stretches none
         rows |= dict(zip((f"u{a}" for a in axes), spring[: m.dimension], strict=True))
     return rows
+
+
+def _partners(model: Model) -> np.ndarray:
+    """Return what contacts call each node: the id of a particle, minus the number of a wall or ring, (n,)."""
+    walls, discs = len(model.walls), [len(ring.radius) for ring in model.rings]
+    particles, planes = np.arange(1.0, model.particle_count + 1), -np.arange(1.0, walls + 1)
+    return np.concatenate([particles, planes, np.repeat(-walls - np.arange(1.0, len(discs) + 1), discs)])
 
 
 def _write(group, name: str, table: dict[str, np.ndarray]) -> None:

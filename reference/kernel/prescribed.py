@@ -50,6 +50,8 @@ def _refuse(model: Model, x: np.ndarray, v: np.ndarray, spin: np.ndarray) -> Non
     for name, given, rows in (("x", x, model.x), ("v", v, model.v), ("spin", spin, model.spin)):
         if given.shape != (len(x), *rows.T.shape):
             raise ValueError(f"{PATH}: {name}: expected shape {(len(x), *rows.T.shape)}, got {given.shape}")
+    if model.rings:
+        raise ValueError("prescribed motion: expected no rings, got one")
     if not all(isinstance(w.motion, Fixed) for w in model.walls):
         raise ValueError("prescribed motion: expected fixed walls, got one that moves")
 

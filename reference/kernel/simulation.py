@@ -1,7 +1,7 @@
 """The step: velocity Verlet with the half-step velocities of the codes in the contact forces.
 
     v += dt/2 f/m ;  x += dt v ;  omega += dt/2 T/I
-    walls move on ;  candidates are renewed if anything could have been missed
+    walls and rings move on ;  candidates are renewed if anything could have been missed
     f, T = forces(x, v(n+1/2), omega(n+1/2)), memories move on by dt
     v += dt/2 f/m ;  omega += dt/2 T/I
 
@@ -15,9 +15,9 @@ import numpy as np
 
 from reference.kernel.interactions import Forces, Interaction
 from reference.kernel.laws.contact import Touching
-from reference.kernel.model import Constant, Fixed, Loaded, Model
+from reference.kernel.model import Model
 from reference.kernel.state import initial_state
-from reference.kernel.vectors import dot
+from reference.kernel.walls import MovingWalls
 
 SKIN_IN_RADII = 0.1
 """Skin of the candidate list in units of the mean radius: results do not depend on it."""
@@ -39,16 +39,16 @@ class Simulation:
         self.skin = SKIN_IN_RADII * float(model.radius.mean()) if skin is None else skin
         self.rebuilds = 0
         n = model.particle_count
-        self._wall_point = self.state.x[:, n:].copy()
-        moving = ((k, w.motion) for k, w in enumerate(model.walls) if not isinstance(w.motion, Fixed))
-        self._moving_walls = tuple(moving)
+        self.walls = MovingWalls(model, self, self.state)
+        self._turning_rings = tuple(
+            (part, ring) for part, ring in zip(model.ring_nodes, model.rings, strict=True) if ring.omega is not None)
         self._inverse_mass = 1.0 / model.mass
         self._inverse_inertia = 1.0 / model.inertia
         self._particles = slice(0, n)
         self.interactions = _interactions(model)
         self._rebuild()
         self.evaluate(advance=False)
-        self._wall_acceleration = self._loaded_accelerations()
+        self.walls.start()
 
     @property
     def time(self) -> float:
@@ -60,11 +60,13 @@ class Simulation:
         for _ in range(steps):
             self._kick()
             self._drift()
-            self._move_walls()
+            self.walls.move()
+            self._turn_rings()
             self.renew_candidates()
             self.evaluate(advance=True)
             self._kick()
-            self._kick_loaded_walls()
+            self.walls.kick()
+            self.walls.write(self.state)
 
     def contacts(self) -> list[tuple[Interaction, Forces]]:
         """Return the contacts of now, evaluated with full-step velocities; nothing is changed."""
@@ -86,49 +88,23 @@ class Simulation:
             s.turned += self.model.dt * s.spin[0, p]
         s.step += 1
 
-    def _move_walls(self) -> None:
-        """Walls reach their place at the end of the step; their velocity is that of the half step."""
-        s, dt = self.state, self.model.dt
-        for k, motion in self._moving_walls:
-            if isinstance(motion, Loaded):
-                s.wall_rate[k] += 0.5 * dt * self._wall_acceleration[k]
-                self._shift_wall(k, s.wall_d[k] + dt * s.wall_rate[k])
-            elif isinstance(motion, Constant):
-                node = self.model.particle_count + k
-                s.x[:, node] = self._wall_point[:, k] + self.time * s.v[:, node]
-                s.wall_d[k] = self.time * s.wall_rate[k]
-            else:
-                self._shift_wall(k, motion.displacement(self.time))
-                s.wall_rate[k] = motion.rate(self.time)
-
-    def _shift_wall(self, k: int, displacement: float) -> None:
-        """Set the wall's displacement along its normal; its velocity is the mean one of the step."""
-        s, node = self.state, self.model.particle_count + k
-        mean_rate = (displacement - s.wall_d[k]) / self.model.dt
-        s.wall_d[k] = displacement
-        s.x[:, node] = self._wall_point[:, k] + displacement * s.wall_normal[:, k]
-        s.v[:, node] = mean_rate * s.wall_normal[:, k]
-
-    def _kick_loaded_walls(self) -> None:
-        self._wall_acceleration = self._loaded_accelerations()
-        for k, acceleration in self._wall_acceleration.items():
-            self.state.wall_rate[k] += 0.5 * self.model.dt * acceleration
-
-    def _loaded_accelerations(self) -> dict[int, float]:
-        loaded = ((k, motion) for k, motion in self._moving_walls if isinstance(motion, Loaded))
-        return {k: self._loaded_force(k, motion) / motion.mass for k, motion in loaded}
-
-    def _loaded_force(self, k: int, motion: Loaded) -> float:
-        """Return load + stress * extent + F.n - damping d', with the half-step rate d'."""
+    def _turn_rings(self) -> None:
+        """Rings reach their place at the end of the step, and so do their velocities."""
         s = self.state
-        extent = 0.0 if motion.span is None else self._distance(*motion.span)
-        pushed = dot(s.wall_force[:, k], s.wall_normal[:, k])
-        return motion.load + motion.stress * extent + pushed - motion.damping * s.wall_rate[k]
+        for part, ring in self._turning_rings:
+            s.x[:, part] = ring.places(self.time)
+            s.v[:, part] = ring.velocities(s.x[:, part])
 
-    def _distance(self, a: int, b: int) -> float:
-        """Distance of wall b from wall a along a's normal."""
-        s, n = self.state, self.model.particle_count
-        return dot(s.x[:, n + b] - s.x[:, n + a], s.wall_normal[:, a])
+    # --- what the walls ask and tell -----------------------------------------------------------
+
+    def shift_wall(self, k: int, point: np.ndarray, velocity: np.ndarray) -> None:
+        """Put wall k at a point, (dim,), with a velocity."""
+        node = self.model.particle_count + k
+        self.state.x[:, node], self.state.v[:, node] = point, velocity
+
+    def force_on_wall(self, k: int) -> np.ndarray:
+        """Return the force of the particles on wall k, (dim,)."""
+        return self.state.wall_force[:, k]
 
     # --- forces --------------------------------------------------------------------------------
 
@@ -145,7 +121,7 @@ class Simulation:
             interaction.add_to(forces, s.force, s.torque)
             if interaction.walls is not None:
                 self._refuse_passed_walls(forces.contact)
-        s.wall_force = s.force[:, m.particle_count :].copy()
+        s.wall_force = s.force[:, m.wall_nodes].copy()
         if m.gravity is not None:
             s.force[:, self._particles] += np.asarray(m.gravity)[:, None] * m.mass
         if m.drag is not None:
@@ -178,10 +154,12 @@ class Simulation:
 
 
 def _interactions(model: Model) -> list[Interaction]:
-    """Particles with particles, with the rough walls and with the smooth ones: those that exist."""
+    """Particles with particles, with rings, with the rough walls and with the smooth ones: those that exist."""
     rough = tuple(k for k, w in enumerate(model.walls) if w.friction and model.turns)
     smooth = tuple(k for k in range(len(model.walls)) if k not in rough)
     made = [Interaction(model, walls=None, rough=model.turns)]
+    if model.rings:
+        made.append(Interaction(model, walls=None, rough=model.turns, rings=True))
     if rough:
         made.append(Interaction(model, walls=rough, rough=True))
     if smooth:

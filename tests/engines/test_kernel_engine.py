@@ -12,7 +12,7 @@ import pytest
 from harness.engines.kernel import KERNELS
 from harness.engines.kernel.deck import render_deck
 from harness.engines.protocol import PATH_FILE, REACTION_FILE, takes
-from harness.scene.contact import JkrNormal, LinearNormal, SpringSliding
+from harness.scene.contact import JkrNormal, LinearNormal, SpringRolling, SpringSliding
 from harness.scene.effects import effects_on
 from harness.scene.model import Background
 from harness.scene.system import Constant, Cosine, Loaded, Particles, System, Wall
@@ -283,3 +283,27 @@ def test_without_the_finished_marker_it_did_not_finish(tmp_path, monkeypatch, wo
     monkeypatch.setattr(type(TALK), "command", lambda self, folder: [sys.executable, "-S", "-c", f"print({words!r})"])
     result = kernel.run(tmp_path, time_limit=60.0)
     assert (result.status, result.reason) == ("crashed", "ended without its finished marker")
+
+
+# --- expected cost -------------------------------------------------------------------------------
+
+SLIDING = SpringSliding(shear_friction=0.5, shear_stiffness=2e4, shear_damping=0.025)
+ROLLING = SpringRolling(rolling_friction=0.1, rolling_stiffness=1e4, rolling_damping=0.01)
+CORRECTED = next(k for k in KERNELS if k.convention == "corrected")
+
+
+@pytest.mark.parametrize(("dim", "count", "laws", "measured"), [
+    (2, 200, {}, 29.0), (2, 1950, {}, 93.0),
+    (2, 200, {"sliding": SLIDING}, 39.0), (2, 1950, {"sliding": SLIDING}, 160.0),
+    (2, 1950, {"sliding": SLIDING, "rolling": ROLLING}, 205.0), (3, 2000, {}, 206.0),
+    (3, 2000, {"sliding": SLIDING}, 570.0), (3, 2000, {"sliding": SLIDING, "rolling": ROLLING}, 880.0),
+])
+def test_the_expected_cost_follows_what_was_measured(dim, count, laws, measured):
+    system = bare(dim, particles=particles(dim, np.random.default_rng(1), count), **laws)
+    assert TALK.microseconds_per_step(system) == pytest.approx(measured, rel=0.1)
+
+
+def test_the_second_order_scheme_costs_more_and_the_textbook_most():
+    smooth, rolling = bare(3), bare(3, sliding=SLIDING, rolling=ROLLING)
+    assert CORRECTED.microseconds_per_step(smooth) == pytest.approx(1.3 * TALK.microseconds_per_step(smooth))
+    assert CORRECTED.microseconds_per_step(rolling) > 4 * TALK.microseconds_per_step(rolling)

@@ -168,10 +168,24 @@ def moved(state: Snapshot, turn: np.ndarray, shift: np.ndarray) -> Snapshot:
     )
 
 
+WORDS = {
+    2: {"rings": "rings:5:0.1:1.0", "strips": "strips:x:4", "grid": "grid:3x4", "halfplane": "halfplane:1,2:0.1",
+        "points": "points:3x4"},
+    3: {"rings": "rings:5:0.1:1.0", "strips": "strips:z:4", "grid": "grid:2x3x2", "halfplane": "halfplane:1,2,1:0.1",
+        "points": "points:2x3x2"},
+}
+"""Cells that lie in the box of `random_contacts`, by kind; kinds that need no words are left out."""
+
+
+def words(kind: str, dim: int) -> str:
+    """Return how cells of this kind are asked for in a random state."""
+    return WORDS[dim].get(kind, kind)
+
+
 @pytest.fixture(scope="session")
 def states() -> SimpleNamespace:
     """Builders of states, and the radius and stiffness that lattices use."""
     return SimpleNamespace(
         snapshot=snapshot, lattice=lattice, random_contacts=random_contacts, balanced=balanced,
-        replace=replace, without=without, moved=moved, columns=columns, R=R, KN=KN,
+        replace=replace, without=without, moved=moved, columns=columns, words=words, R=R, KN=KN,
     )

@@ -16,8 +16,12 @@ from postproc.readers.state import write_state
 from postproc.results import Unavailable, Value, columns_of, reasons_of
 from postproc.snapshot import MissingColumn
 from postproc.trajectory import Trajectory, write_trajectory
+from postproc.undefined import OTHERWISE
 
-SHAPES = {"scalar": (), "vector": (2,), "principal": (2,), "tensor": (2, 2)}
+SHAPES = {
+    "scalar": (), "vector": (2,), "principal": (2,), "tensor": (2, 2), "axial": (), "couple": (2,), "stiffness": (3, 3),
+    "histogram": (36,),
+}
 
 NO_BOX = "the state has no box: give the attribute box, or walls on every side"
 
@@ -25,8 +29,8 @@ NO_BOX = "the state has no box: give the attribute box, or walls on every side"
 @pytest.mark.parametrize("kind", CELLS)
 def test_every_quantity_keeps_the_promises(states, kind):
     """With everything given, all are available, of their shape, one value a cell."""
-    state = states.random_contacts(2, 2, count=80)
-    averages = average(state, cells=kind, reference=state, rate=1.0, gravity=(0.0, -9.81))
+    state = complete(states, states.random_contacts(2, 2, count=80))
+    averages = average(state, cells=states.words(kind, 2), reference=state, rate=1.0, gravity=(0.0, -9.81))
     assert reasons_of({**averages.in_cells, **averages.of_state}) == {}
     for fields, count in ((IN_CELLS, len(averages.labels)), (OF_STATE, 1)):
         for field in fields:
@@ -46,24 +50,52 @@ def test_parts_are_those_of_their_tensor(states, name):
 
 
 # what is taken away: (group, columns), the quantities that go with it
+ENERGY = {"kinetic_over_elastic_energy"}
+RATES = {
+    "velocity_gradient", "strain_rate", "strain_rate_deviator", "rotation_rate", "eigen_rotation", "sliding_rotation",
+}
+MOTION = {
+    *ENERGY, *RATES, "momentum_density", "velocity", "kinetic_stress", "total_stress", "translational_energy",
+    "translational_energy_density",
+}
+DEFORMATION = {
+    "elastic_strain", "elastic_strain_isotropic", "elastic_strain_deviator", "bulk_stiffness", "shear_stiffness",
+    "curvature", "torque_stiffness", "non_colinearity_stress_strain", "non_colinearity_strain_fabric",
+}
+ELASTIC = {*ENERGY, "elastic_energy_density"}
+SPRINGS = {"stiffness", "contact_bulk_modulus", "contact_shear_modulus"}
 MISSING = {
-    ("particles", "mass"): {
-        "kinetic_stress", "translational_energy", "kinetic_over_elastic_energy", "inertial_number",
+    ("particles", "mass"): {*MOTION, "inertial_number"},
+    ("particles", "vx"): {*MOTION, "velocity_density"},
+    ("particles", "wz"): {
+        *ENERGY, "rotational_energy", "rotational_energy_density", "spin", "spin_density", "spin_gradient",
+        "eigen_rotation", "sliding_rotation", "rolling_rotation",
     },
-    ("particles", "vx"): {"kinetic_stress", "translational_energy", "kinetic_over_elastic_energy"},
-    ("particles", "wz"): {"rotational_energy", "kinetic_over_elastic_energy"},
-    ("particles", "inertia"): {"rotational_energy", "kinetic_over_elastic_energy"},
-    ("contacts", "overlap"): {"normal_elastic_energy", "kinetic_over_elastic_energy"},
-    ("contacts", "kn"): {"normal_elastic_energy", "kinetic_over_elastic_energy"},
-    ("contacts", "kt"): {"tangential_elastic_energy", "kinetic_over_elastic_energy"},
-    ("contacts", "ux"): {"tangential_elastic_energy", "kinetic_over_elastic_energy"},
+    ("particles", "inertia"): {*ENERGY, "rotational_energy", "rotational_energy_density"},
+    ("particles", "rotation"): {"rotation", "rotation_gradient"},
+    ("contacts", "overlap"): {*ELASTIC, *DEFORMATION, "normal_elastic_energy"},
+    ("contacts", "kn"): {
+        *ELASTIC, *SPRINGS, "normal_elastic_energy", "normal_stiffness", "stiffness_anisotropy",
+        "principal_stiffness_anisotropy",
+    },
+    ("contacts", "kt"): {*ELASTIC, *SPRINGS, "tangential_elastic_energy"},
+    ("contacts", "ux"): {*ELASTIC, *DEFORMATION, "tangential_elastic_energy"},
+    ("contacts", "mz"): {"contact_couple_stress"},
     ("walls", "nx"): {"stress_from_walls"},
 }
 
 
+def complete(states, state):
+    """Add the columns that random states do not have: rotations and couples."""
+    rotation, couple = np.linspace(-1, 1, state.particles.rows), np.linspace(-1, 1, state.contacts.rows)
+    return states.replace(
+        state, particles={**state.particles, "rotation": rotation}, contacts={**state.contacts, "mz": couple}
+    )
+
+
 @pytest.mark.parametrize(("group", "column"), MISSING)
 def test_a_missing_column_takes_only_what_needs_it(states, group, column):
-    full = states.random_contacts(2, 2)
+    full = complete(states, states.random_contacts(2, 2))
     options = {"reference": full, "rate": 1.0}
     averages = average(states.without(full, group, column), **options)
     reasons = reasons_of({**averages.in_cells, **averages.of_state})
@@ -111,7 +143,8 @@ def test_table(file, capsys):
     assert out.startswith("2D, 80 particles, t = 0.25 s, cells: box\n")
     assert "\nper unit thickness, as none other than 1 was given: stresses are forces per length, N/m\n" in out
     assert "  stress (N/m) " in out
-    assert "unavailable\n  inertial_number: no strain rate was given" in out
+    assert "unavailable\n  displacement: no reference state was given" in out
+    assert "\n  inertial_number: no strain rate was given\n" in out
 
 
 def test_json_holds_all_digits_and_all_reasons(file, states, capsys):
@@ -163,8 +196,27 @@ def test_a_trajectory_is_strained_against_its_first_frame(tmp_path, states, caps
     (["{file}", "--json", "{file}/x.json"], "--json: expected a place in a folder, got {file}/x.json: {file}"),
     (["{file}", "--json", "/"], "--json: expected a file, got the folder /; name a file in it"),
     (["{file}", "--json", ""], "--json: expected a file, got the folder .; name a file in it"),
+    (["{file}", "--json", "{file}"], "--json: expected a place of its own, got {file}, which is read; name another"),
+    (["{file}", "--reference", "a.json", "--json", "a.json"], "--json: expected a place of its own, got a.json"),
+    (["average.json", "--out", "."], "--out: expected a place of its own, got average.json, which is read"),
+    (["{file}", "--cells", "points:p.csv", "--json", "p.csv"], "--json: expected a place of its own, got p.csv"),
+    (["n", "--json", "n.contacts.csv"], "--json: expected a place of its own, got n.contacts.csv, which is read"),
+    (["n.particles.csv", "--json", "n.attributes.json"], "expected a place of its own, got n.attributes.json"),
+    (["."], ".: file: expected an HDF5 or JSON state, or the NAME of a NAME.particles.csv, got a folder"),
+    (["/"], "/: file: expected an HDF5 or JSON state, or the NAME of a NAME.particles.csv, got a folder"),
+    (["nobody"], "nobody: file: expected an HDF5 or JSON state, or the NAME of a NAME.particles.csv, got none of them"),
+    (["{file}", "--rate", "inf"], "rate: expected a finite number below 1e+30, got inf"),
+    (["{file}", "--rate", "nan"], "rate: expected a finite number below 1e+30, got nan"),
+    (["{file}", "--kn", "-1"], "kn: expected a number > 0 and below 1e+30, got -1"),
+    (["{file}", "--cells", "inner", "--margin", "1e300"], "margin: expected a number > 0 and below 1e+30, got 1e+300"),
+    (["{file}", "--minimum-contacts", "-3"], "minimum contacts: expected a whole number >= 1, got -3"),
+    (["{file}", "--gravity", "0", "inf"], "gravity: expected finite components below 1e+30, got 0 inf"),
+    (["{file}", "--fields", "stres"], "fields: expected all, or names such as stress"),
+    (["{file}", "--cells", "rings:3"], "cells rings: expected bounds, as NUMBER:LOW:HIGH, got 3 alone, and the"),
+    (["{file}", "--weights", "area"], "weights: expected none for cells of kind 'box', got area"),
 ])
-def test_wrong_input_is_one_line_and_status_2(file, capsys, words, message):
+def test_wrong_input_is_one_line_and_status_2(file, capsys, words, message, monkeypatch):
+    monkeypatch.chdir(file.parent)
     assert main([w.format(file=file) for w in words], prog="grainproof average") == 2
     captured = capsys.readouterr()
     assert captured.out == ""
@@ -173,8 +225,93 @@ def test_wrong_input_is_one_line_and_status_2(file, capsys, words, message):
     assert captured.err.count("\n") == 1
 
 
+@pytest.mark.parametrize(("words", "message"), [
+    (["{file}", "--margin", "x"], "argument --margin: expected a number, got 'x'"),
+    (["{file}", "--minimum-contacts", "2.5"], "argument --minimum-contacts: expected a whole number, got '2.5'"),
+    (["{file}", "--weights", "volume"], "argument --weights: invalid choice: 'volume'"),
+    (["{file}", "--frame-of", "cylinder"], "argument --frame-of: invalid choice: 'cylinder'"),
+    ([""], "argument STATE: expected the file of a state, got nothing"),
+    (["{file}", "--out", " "], "argument --out: expected a folder, got nothing; use . for this one"),
+])
+def test_words_that_cannot_be_read_are_one_line_too(file, capsys, words, message):
+    with pytest.raises(SystemExit) as stop:
+        main([w.format(file=file) for w in words], prog="grainproof average")
+    assert stop.value.code == 2
+    err = capsys.readouterr().err
+    assert message in err
+    assert err.count("\n") == 1
+
+
+def test_chosen_fields_cells_and_frame(file, capsys, states):
+    words = ["--cells", "rings:2:0.1:1", "--fields", "stress,volume_fraction,axial_strain", "--frame-of", "cartesian",
+             "--weights", "centre", "--json", "-"]
+    assert main([str(file), *words]) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert list(data["in_cells"]) == ["volume_fraction", "stress"]
+    assert list(data["of_state"]) == ["axial_strain"]
+    assert data["frame"] == "cartesian"
+    assert data["in_cells"]["stress"]["components"] == ["xx", "xy", "yx", "yy"]
+    assert data["coordinates"]["r_outer"]["unit"] == "m"
+    state = states.random_contacts(2, 2, count=80)
+    expected = average(state, cells="rings:2:0.1:1", frame="cartesian", weights="centre")
+    np.testing.assert_array_equal(data["in_cells"]["stress"]["values"], expected["stress"])
+
+
+def test_places_of_cells_stand_in_the_table(file, tmp_path):
+    assert main([str(file), "--cells", "grid:2x3", "--fields", "particles", "--out", str(tmp_path / "o")]) == 0
+    with open(tmp_path / "o" / "cells.csv") as f:
+        rows = list(csv.DictReader(f))
+    assert list(rows[0]) == ["cell", "x (m)", "y (m)", "particles"]
+    assert [row["cell"] for row in rows] == ["1 1", "1 2", "1 3", "2 1", "2 2", "2 3"]
+    assert sum(float(row["particles"]) for row in rows) == pytest.approx(80, rel=1e-14)
+
+
+def _undefined_states(states):
+    """States in which something is undefined: no contacts, no forces, no particles, one particle, a lattice."""
+    state = complete(states, states.random_contacts(2, 2, count=30))
+    nothing = np.zeros(state.contacts.rows)
+    unloaded = dict.fromkeys(("fx", "fy", "ux", "uy", "overlap", "mz"), nothing)
+    yield states.replace(state, contacts={**state.contacts, **unloaded})
+    yield states.replace(state, contacts={**state.contacts, "fx": -state.contacts["fx"]})
+    yield states.replace(state, contacts={name: [] for name in state.contacts})
+    few = {name: values[:3] for name, values in state.particles.items()}
+    yield states.replace(state, particles=few, contacts={name: [] for name in state.contacts})
+
+
+@pytest.mark.parametrize("kind", CELLS)
+def test_every_nan_has_its_reason(states, kind):
+    seen = set()
+    for state in _undefined_states(states):
+        averages = average(state, cells=states.words(kind, 2), reference=state, rate=1.0)
+        for name, result in averages.in_cells.items():
+            if isinstance(result, Unavailable):
+                continue
+            missing = np.isnan(result.values).reshape(len(result.values), -1).any(axis=1).sum()
+            assert bool(result.undefined) == bool(missing), name
+            assert result.undefined.startswith(f"in {missing} of {len(averages.labels)} cells: ") or not missing
+            assert OTHERWISE not in result.undefined, name
+            seen.add(result.undefined)
+    assert len(seen) > 3
+
+
+def test_reasons_of_nan_and_empty_cells_are_shown(states, tmp_path, capsys):
+    state = states.snapshot(x=[[0.5, 0.5], [1.5, 0.5]], radius=[0.2, 0.2], box=np.array([[0.0, 4.0], [0.0, 1.0]]))
+    write_state(tmp_path / "s.json", state)
+    assert main([str(tmp_path / "s.json"), "--cells", "strips:x:4"]) == 0
+    out = capsys.readouterr().out
+    assert "\n2 of 4 cells without particles: densities and sums are 0 there\n" in out
+    assert "\nnan\n" in out
+    assert "  coordination_number: in 2 of 4 cells: 2 without particles\n" in out
+    assert "  contact_fabric: in 4 of 4 cells: 2 without particles, 2 without contacts\n" in out
+    assert main([str(tmp_path / "s.json"), "--cells", "strips:x:4", "--json", "-"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    assert data["cells_without_particles"] == 2
+    assert data["in_cells"]["coordination_number"]["undefined"] == "in 2 of 4 cells: 2 without particles"
+    assert data["in_cells"]["coordination_number"]["values"] == [0.0, 0.0, None, None]
+
+
 def test_a_folder_that_cannot_be_written_is_one_line(file, tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("postproc.average.os.access", lambda path, mode: path != tmp_path)
+    monkeypatch.setattr("postproc.options.os.access", lambda path, mode: path != tmp_path)
     assert main([str(file), "--out", str(tmp_path / "new")], prog="average") == 2
     line = f"average: --out: expected a place that can be written, got {tmp_path / 'new'}; name another\n"
     assert capsys.readouterr() == ("", line)

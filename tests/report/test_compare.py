@@ -6,16 +6,18 @@ import io
 import json
 import re
 from dataclasses import replace
+from typing import get_args
 
 import msgspec
 import numpy as np
 import pytest
 
-from harness.report.biaxial import macro_page_rows, macro_rows
-from harness.report.compare import check_rows, run_rows, summary, write_report
+from harness.report.biaxial import macro_page_rows, macro_rows, phase_page_rows
+from harness.report.compare import FAILED, check_rows, run_rows, summary, write_report
 from harness.report.figures import png_uri
 from harness.report.overview import overview
 from harness.report.tables import text
+from harness.runs.outcome import Status
 from harness.studies.compare import Comparison, compare
 from harness.studies.compare.biaxial import judge_biaxial
 from harness.studies.compare.study import Run
@@ -126,7 +128,7 @@ def test_biaxial_report(biaxial, box, mutate, tmp_path, recwarn):
     headings = re.findall(r"<h2>(.*?)</h2>", html)
     assert headings == [
         "Verdicts", "Runs", "Numbers of the whole test", "Stress and volume against strain", "Do the codes agree?",
-        "Was it quasi-static?", "Micro-macro averages", "Force chains", "Particle rotations", "Reproduce",
+        "How calm was the sample?", "Micro-macro averages", "Force chains", "Particle rotations", "Reproduce",
     ]
     curves = numbers_of(tmp_path / "report" / "curves.csv")
     assert len(curves) == 2 * 41
@@ -136,6 +138,34 @@ def test_biaxial_report(biaxial, box, mutate, tmp_path, recwarn):
     assert "sigma_zz from walls (N/m)" in numbers_of(tmp_path / "report" / "states.csv")[0]
     assert "time (s)" in numbers_of(tmp_path / "report" / "growth.csv")[0]
     assert not [w for w in recwarn if issubclass(w.category, UserWarning)]
+
+
+def test_what_a_box_does_after_the_peak_is_shown(biaxial, box, tmp_path):
+    """Mean 166.7 N/m after the peak of 200 at 5 %, down to 100 at the end: -40 and +20 %."""
+    comparison = biaxial({("lammps", 0): box.trajectory(lambda eps: 1 + 400 * eps * (0.1 - eps))})
+    write_report(comparison, tmp_path / "report")
+    before, after, plateau = numbers_of(tmp_path / "report" / "phases.csv")
+    assert [r["part"] for r in (before, after, plateau)] == ["up to the peak", "after the peak", "plateau"]
+    assert before["sigma_zz, lowest over mean - 1"] == ""
+    assert float(after["sigma_zz, lowest over mean - 1"]) == pytest.approx(-0.4, abs=2e-3)
+    assert float(after["sigma_zz, highest over mean - 1"]) == pytest.approx(0.2, abs=4e-3)
+    html = (tmp_path / "report" / "report.html").read_text()
+    assert "quasi-static</td>" not in html
+    assert "slow drive</td>" in html
+    shown = phase_page_rows(comparison)
+    assert ("up to the peak", "sigma_zz, mean (N/m)") not in [(r["part"], r["quantity"]) for r in shown]
+    row = next(r for r in shown if (r["part"], r["quantity"]) == ("after the peak", "sigma_zz, lowest over mean - 1"))
+    assert row["lammps"] == float(after["sigma_zz, lowest over mean - 1"])
+    peak = next(r for r in macro_rows(comparison) if r["quantity"] == "strain at the peak")
+    assert peak["mean"] == pytest.approx(0.05)
+
+
+def test_a_peak_that_only_one_engine_has_is_none_of_the_other(biaxial, box, tmp_path):
+    runs = {("a", 0): box.trajectory(), ("b", 0): box.trajectory(lambda eps: 1 + 400 * eps * (0.1 - eps))}
+    comparison = biaxial(runs)
+    row = next(r for r in macro_page_rows(comparison) if r["quantity"] == "peak stress ratio")
+    assert row == {"quantity": "peak stress ratio", "unit": "1", "a": None, "b": "2"}
+    assert write_report(comparison, tmp_path / "report").page.is_file()
 
 
 def test_what_was_not_recorded_is_not_shown(biaxial, box, tmp_path, recwarn):
@@ -181,14 +211,14 @@ def test_nothing_completed_still_makes_a_page(flight, obedient, tmp_path):
     written = write_report(comparison, tmp_path / "report")
     html = written.page.read_text()
     assert_self_contained(html)
-    assert "0 of 2 runs completed, a is crashed, b is unavailable" in html
+    assert "0 of 2 runs completed, a crashed, b is unavailable" in html
     assert "get it from nowhere" in html
     assert comparison.exit_status == 1
 
 
 @pytest.mark.parametrize(("third", "said"), [
-    ({"does": "abort"}, "third is crashed"), ({"available": False}, "third is unavailable"),
-    ({"level": "unsupported"}, "third is unsupported"),
+    ({"does": "abort"}, "third crashed"), ({"available": False}, "third is unavailable"),
+    ({"level": "unsupported"}, "third cannot compute this scene"),
 ])
 def test_a_run_that_failed_is_in_every_table(free, tmp_path, third, said):
     comparison = free(**third)
@@ -196,11 +226,15 @@ def test_a_run_that_failed_is_in_every_table(free, tmp_path, third, said):
     assert f"2 of 3 runs completed, {said}" in summary(comparison)
     assert said in written.page.read_text()
     row = numbers_of(tmp_path / "report" / "runs.csv")[2]
-    assert row["outcome"] == said.split()[-1]
+    assert row["status"] == comparison.runs[2].outcome.status != "completed"
     assert row["reason"]
     assert row["CPU (s)"] == row["CPU per step (us)"] == ""
     status = json.loads(written.data.read_text())["runs"][2]["status"]
-    assert status == row["outcome"]
+    assert status == row["status"]
+
+
+def test_every_way_to_fail_is_a_sentence():
+    assert set(FAILED) == set(get_args(Status)) - {"completed"}
 
 
 def test_cost_is_cpu_time_over_steps(free):

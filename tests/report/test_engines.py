@@ -2,10 +2,13 @@
 
 from typing import get_args
 
+import pytest
+
 from harness.engines.protocol import Level
 from harness.engines.registry import ENGINES
 from harness.report.asked import hard_cases, ordinary_cases
 from harness.report.engines import engines_answer
+from harness.report.tables import NARROWEST, plain_table, text
 from harness.runs.atomic import json_text
 from harness.scene.effects import EFFECT_NAMES, effects_on
 
@@ -18,8 +21,34 @@ def test_the_matrix_has_every_effect_and_engine():
     rows = engines_answer().data["support"]
     assert [r["effect"] for r in rows] == list(EFFECT_NAMES)
     assert all(set(r) == {"effect", *ENGINES} for r in rows)
-    words = {word for r in rows for e in ENGINES for word in r[e].split(", ")}
+    words = {r[e].split(", but ")[0] for r in rows for e in ENGINES}
     assert words <= {level.replace("_", " ") for level in get_args(Level)}
+
+
+def test_a_level_that_holds_in_part_says_where():
+    """What LIGGGHTS says in its notes: couples in 3D, a memory lost across a periodic axis, laws it has not."""
+    rows = {r["effect"]: r for r in engines_answer().data["support"]}
+    assert rows["rolling resistance: constant"]["liggghts"] == "exact, but partial in 3D"
+    assert rows["normal contact: hysteretic"]["liggghts"] == "exact, but unsupported in a periodic box"
+    assert rows["normal damping"]["liggghts"] == "exact, but unsupported with dmt or with jkr"
+    assert rows["adhesion"]["lammps"] == (
+        "exact, but partial with jkr, unsupported with hysteretic or with hysteretic_variable"
+    )
+    assert rows["plastic memory"]["liggghts"] == "exact, but unsupported with hysteretic in a periodic box"
+
+
+def test_on_the_page_kernels_that_say_the_same_are_one_column():
+    table = engines_answer().tables["What each engine does with each effect"]
+    assert list(table[0]) == ["effect", "lammps", "liggghts", "kernel:*"]
+
+
+@pytest.mark.parametrize("width", [80, 100, 160])
+def test_sentences_stay_within_the_page_and_ordinary_words_whole(width):
+    for title, rows in engines_answer().tables.items():
+        lines = plain_table(rows, title, width=width).splitlines()
+        assert max(map(len, lines)) <= width
+        words = {word for r in rows for v in r.values() for word in text(v).split() if len(word) <= NARROWEST}
+        assert words <= set(" ".join(lines).split())
 
 
 def test_every_engine_has_the_laws_of_the_talks_box():
@@ -60,4 +89,6 @@ def test_every_engine_is_listed_and_the_answer_is_data():
     assert [r["engine"] for r in answer.data["engines"]] == list(ENGINES)
     assert all(r["detail"] for r in answer.data["engines"])
     assert json_text(answer.data)
-    assert list(answer.tables.values()) == list(answer.data.values())
+    shown = dict(zip(answer.data, answer.tables.values(), strict=True))
+    assert {name for name, rows in shown.items() if rows != answer.data[name]} == {"support"}
+    assert [row["effect"] for row in shown["support"]] == [row["effect"] for row in answer.data["support"]]

@@ -41,6 +41,19 @@ def test_plain_text_is_one_line_a_row():
     assert plain_table([], "T") == "T\n  nothing"
 
 
+def test_prose_is_wrapped_into_the_width_and_loses_nothing():
+    rows = [{"a": "x", "note": "one two three four five six seven"}, {"a": "y", "note": "eight"}]
+    lines = plain_table(rows, "T", width=20).splitlines()
+    assert lines == ["T", "  a  note", "  x  one two three", "     four five six", "     seven", "  y  eight"]
+    assert plain_table(rows, "T", width=80) == plain_table(rows, "T")
+
+
+def test_columns_that_need_little_leave_room_to_the_others():
+    rows = [{"a": "x" * 10, "b": "word " * 20, "c": "word " * 40}]
+    first = plain_table(rows, "T", width=100).splitlines()[2]
+    assert first == "  " + "x" * 10 + "  " + " ".join(["word"] * 8).ljust(42) + "  " + " ".join(["word"] * 8)
+
+
 def test_elsewhere_than_on_a_terminal_there_is_no_colour(capsys):
     print_table([{"verdict": "differs"}], "T")
     assert capsys.readouterr().out == "T\n  verdict\n  differs\n"

@@ -3,6 +3,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -112,11 +113,20 @@ def flip(path):
     path.write_bytes(data)
 
 
+def edit(folder, old, new):
+    file = folder / "outcome.json"
+    assert old in file.read_text()
+    file.write_text(file.read_text().replace(old, new, 1))
+
+
 @pytest.mark.parametrize(("damage", "said"), [
     (lambda f: (f / "trajectory.h5").unlink(), "trajectory.h5 is missing"),
     (lambda f: os.truncate(f / "trajectory.h5", 1000), "trajectory.h5 has 1000 bytes"),
     (lambda f: flip(f / "trajectory.h5"), "SHA-256 differs"),
     (lambda f: os.truncate(f / "outcome.json", 100), "outcome.json is damaged"),
+    (lambda f: edit(f, '"cpu_seconds": ', '"cpu_seconds": 1'), "outcome.json is not what was written (SHA-256"),
+    (lambda f: edit(f, '"steps_done": 12', '"steps_done": 11'), "outcome.json is not what was written"),
+    (lambda f: edit(f, '"sha256"', '"sha512"'), "outcome.json is damaged"),
 ])
 def test_damage_is_reported_in_one_line_and_redone(engine, system, root, begun, caplog, damage, said):
     first, folder = run_one(engine, system, root, time_limit=LIMIT)
@@ -210,18 +220,41 @@ def test_two_processes_on_one_cache_run_it_once(driver, root, journal, begun):
     assert [p.name for p in root.iterdir() if not p.name.startswith(".")] == [list_runs(root)[0][0].name]
 
 
-def test_a_killed_harness_leaves_a_folder_that_is_redone_whatever_its_orphan_does(
+def test_a_killed_harness_leaves_no_engine_behind_and_a_folder_that_is_redone(
         driver, engine, system, root, journal, begun):
     harness = start(driver, root, journal, "hang")
-    deadline = time.monotonic() + 60
-    while not begun() and time.monotonic() < deadline:
-        time.sleep(0.01)
+    wait_for(begun)
     orphan = int(journal.read_text().split()[1])
-    try:
-        os.kill(harness.pid, signal.SIGKILL)
-        harness.communicate(timeout=60)
-        assert [note for _, _, note in list_runs(root)] == ["unfinished"]
-        assert run_one(engine, system, root, time_limit=LIMIT)[0].status == "completed"
-    finally:
-        os.kill(orphan, signal.SIGKILL)
+    os.kill(harness.pid, signal.SIGKILL)
+    harness.communicate(timeout=60)
+    wait_for(lambda: not computes(orphan))
+    assert [note for _, _, note in list_runs(root)] == ["unfinished"]
+    assert run_one(engine, system, root, time_limit=LIMIT)[0].status == "completed"
     assert begun() == 2
+
+
+def test_an_engine_that_outlives_its_harness_writes_into_no_run_of_others(engine, system, root):
+    """Where no guardian is, its open files go away with the old folder."""
+    _, folder = run_one(engine, system, root, time_limit=LIMIT)
+    with open(folder / "series.txt", "a") as orphans:
+        (folder / "outcome.json").unlink()
+        outcome, _ = run_one(engine, system, root, time_limit=LIMIT)
+        orphans.write("13 nonsense\n")
+    assert outcome.status == "completed"
+    assert "nonsense" not in (folder / "series.txt").read_text()
+
+
+def wait_for(condition):
+    deadline = time.monotonic() + 60
+    while not condition():
+        assert time.monotonic() < deadline, "waited for a minute in vain"
+        time.sleep(0.01)
+
+
+def computes(pid):
+    """Is the process there, and no zombie that its new parent has yet to bury?"""
+    stat = Path(f"/proc/{pid}/stat")
+    try:
+        return stat.read_text().rpartition(")")[2].split()[0] != "Z"
+    except FileNotFoundError:
+        return False

@@ -58,6 +58,26 @@ def test_wrong_json_is_damaged(tmp_path, damage):
         read_outcome(path)
 
 
+@pytest.mark.parametrize(("old", "new"), [
+    ('"completed, slow"', '"completed, fast"'), ('"cpu_seconds": 0.3', '"cpu_seconds": 0.2'),
+    ('"engine_version": "1.0"', '"engine_version": "1.1"'), ('"size": 3', '"size": 4'), ("23:59:59", "23:59:58"),
+])
+def test_an_edited_outcome_is_not_believed(tmp_path, old, new):
+    path = tmp_path / "outcome.json"
+    write_outcome(path, outcome(native="completed, slow"))
+    assert old in path.read_text()
+    path.write_text(path.read_text().replace(old, new))
+    with pytest.raises(Damaged, match="is not what was written"):
+        read_outcome(path)
+
+
+def test_an_outcome_without_a_checksum_is_not_believed(tmp_path):
+    path = tmp_path / "outcome.json"
+    path.write_bytes(msgspec.json.encode(outcome()))
+    with pytest.raises(Damaged, match=r"outcome\.json has no checksum"):
+        read_outcome(path)
+
+
 def test_bytes_that_are_no_text_are_damaged(tmp_path):
     (tmp_path / "outcome.json").write_bytes(b'{"status": "\xff\xfe"}')
     with pytest.raises(Damaged):

@@ -13,7 +13,7 @@ import pytest
 
 from harness.engines.child import Stopped, children_stopped, run_child
 from harness.runs.execute import run_one
-from harness.runs.folder import list_runs
+from harness.runs.folder import RunFolder, list_runs
 from harness.runs.pool import run_many
 from harness.runs.progress import Lines
 
@@ -86,6 +86,22 @@ def test_progress_follows_the_engine(in_mode, make_system, root, monkeypatch):
     assert lines[-1].startswith("[1/1] slow one: flight, fake 1.0: completed, 24 steps")
 
 
+def test_a_run_that_is_kept_is_not_said_to_be_started(in_mode, system, make_system, root, monkeypatch):
+    """However long it takes to see that it is undamaged; another that is made beside it is."""
+    monkeypatch.setattr("harness.runs.pool.POLL", 0.01)
+    run_many([("old", in_mode("complete"), system)], root, time_limit=LIMIT)
+    true = RunFolder.completed
+    monkeypatch.setattr(RunFolder, "completed", lambda self, deck: time.sleep(0.2) or true(self, deck))
+    out, jobs = io.StringIO(), [("old", in_mode("complete"), system), ("new", in_mode("slow"), make_system(vx=9.0))]
+    run_many(jobs, root, time_limit=LIMIT, progress=Lines(out))
+    lines = out.getvalue().splitlines()
+    assert not [line for line in lines if line.startswith("old: ")]
+    assert "new: started" in lines
+    (kept,) = [line for line in lines if "] old: " in line]
+    assert re.match(r"\[1/2\] old: kept, made \d{4}-\d\d-\d\d \d\d:\d\d UTC: flight, fake 1.0: completed", kept)
+    assert [line for line in lines if "] new: flight, fake 1.0: completed" in line]
+
+
 RUN_MANY = """
 from harness.runs.pool import run_many
 jobs = [(str(k), engine, fake.flight(vx=float(k))) for k in range(4)]
@@ -139,8 +155,6 @@ def test_waiting_for_a_lock_can_be_interrupted(engine, system, root, caplog):
             run_one(engine, system, root, time_limit=LIMIT)
         except Stopped as error:
             caught.append(error)
-
-    from harness.runs.folder import RunFolder
 
     with RunFolder(root=root, name=path.name, identity={}).lock():
         thread = threading.Thread(target=target)

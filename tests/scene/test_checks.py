@@ -31,7 +31,24 @@ BOX_REFUSALS = [
         "compare.plateau: expected a strain range for plateau sigma_zz, got nothing; "
         "add plateau, or remove talk_frictionless_100 from compare.published",
     ),
+    (
+        {"preparation.pressure": 1e12},
+        "preparation.pressure: expected a pressure of at most 25000 N/m, a quarter of the normal stiffness, "
+        "at which discs overlap by half their radius, got 1e+12; lower it, or stiffen the contacts",
+    ),
+    (
+        {"side.pressure": 2.6e4},
+        "side.pressure: expected a pressure of at most 25000 N/m, a quarter of the normal stiffness, "
+        "at which discs overlap by half their radius, got 26000; lower it, or stiffen the contacts",
+    ),
 ]
+
+
+def test_pressures_up_to_a_quarter_of_the_stiffness_of_first_loading_pass(scenes):
+    pressures = {"preparation.pressure": 2.5e4, "side.pressure": 2.5e4}
+    scenes.load(scenes.biaxial, pressures)
+    hysteretic = pressures | {"contact.normal": scenes.normals["hysteretic"]}
+    assert "at most 12500 N/m" in scenes.refusal(scenes.biaxial, hysteretic)
 
 
 @pytest.mark.parametrize(("changes", "message"), BOX_REFUSALS)

@@ -153,7 +153,7 @@ def test_a_key_of_another_kind_of_table_is_told_its_kind(scenes):
 @pytest.mark.parametrize(
     ("missing", "expected"),
     [
-        ("kind", '"biaxial" or "free"'),
+        ("kind", '"biaxial", "couette" or "free"'),
         ("title", "one line of up to"),
         ("contact", "a table"),
         ("contact.normal", 'a table with law = "linear"'),
@@ -170,7 +170,7 @@ def test_missing_key(scenes, missing, expected):
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"kind": "freee"}, 'kind: expected "biaxial" or "free", got "freee"; did you mean free?'),
+        ({"kind": "freee"}, 'kind: expected "biaxial", "couette" or "free", got "freee"; did you mean free?'),
         ({"dimension": 4}, "dimension: expected 2 or 3, got 4"),
         ({"dimension": "2"}, 'dimension: expected 2 or 3, got "2"; write it without quotes: 2'),
         ({"dimension": "two"}, 'dimension: expected 2 or 3, got "two"'),

@@ -21,6 +21,8 @@ REFUSED = [
     ({"contact.normal.law": "hertz"}, "contact.normal"),
     ({"rings.outer_radius": 0.03}, 'rings.outer_radius: expected at least 0.05846'),
     ({"rings.grain_radius": 0.011}, "rings.grain_radius: expected at most half of rings.inner_radius = 0.02"),
+    ({"rings.grain_radius": 1e-20}, "rings.grain_radius: expected a radius of which at most 1000000"),
+    ({"particles.species": [{"count": 600000, "radius": 1e-6}] * 2}, "species: expected at most 1000000 discs"),
     ({"rings.omega": 0.0}, "rings.omega: expected a rate that is not 0, got 0"),
     ({"particles.species.0.count": 600}, "particles.species: expected discs that fill at most 0.9"),
     ({"preparation.start_size": 0.9}, "preparation.start_size: expected at most 0.71"),

@@ -1,6 +1,7 @@
-"""A system as the kernel's deck: kernel.json and particles.csv. Effects that are off have no key.
+"""A system as the kernel's deck: kernel.json and particles.csv, with rings also rings.csv.
 
-Laws go in as the scene has them, by their word `law` and the scene's own names of parameters.
+Effects that are off have no key. Laws go in as the scene has them, by their word `law` and the scene's own names of
+parameters.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import numpy as np
 from harness.scene.system import Constant, Cosine, Loaded, System
 
 if TYPE_CHECKING:
-    from harness.scene.system import Wall
+    from harness.scene.system import Ring, Wall
 
 
 def render_deck(system: System, convention: str) -> dict[str, str]:
@@ -28,7 +29,8 @@ def render_deck(system: System, convention: str) -> dict[str, str]:
         "walls": [_wall(w, system) for w in system.walls],
         **_optional(system),
     }
-    return {"kernel.json": json.dumps(deck, indent=1) + "\n", "particles.csv": _particles(system)}
+    glued = {"rings.csv": _glued_discs(system)} if system.rings else {}
+    return {"kernel.json": json.dumps(deck, indent=1) + "\n", "particles.csv": _particles(system), **glued}
 
 
 def _plan(system: System) -> dict:
@@ -47,6 +49,8 @@ def _optional(system: System) -> dict:
         on["periodic"] = list(system.periodic)
     if system.rotations:
         on["rotations"] = True
+    if system.rings:
+        on["rings"] = [_ring(ring) for ring in system.rings]
     return on
 
 
@@ -78,6 +82,22 @@ def _motion(motion, system: System) -> dict:
 
 def _span(motion: Loaded, system: System) -> list[int] | None:
     return None if motion.span is None else [system.wall(name).index - 1 for name in motion.span]
+
+
+def _ring(ring: Ring) -> dict:
+    """The ring without its discs; one at rest has no omega."""
+    turning = {} if ring.omega is None else {"omega": ring.omega}
+    return {"name": ring.name, "centre": list(ring.centre), "circle": ring.circle, **turning}
+
+
+def _glued_discs(system: System) -> str:
+    """A line for every disc: the number of its ring, from 1 on, its place and its radius."""
+    rows = (
+        ",".join([str(number), *(repr(float(value)) for value in (*place, radius))])
+        for number, ring in enumerate(system.rings, start=1)
+        for place, radius in zip(ring.x, ring.radius, strict=True)
+    )
+    return "\n".join(["ring,x,y,radius", *rows]) + "\n"
 
 
 def _particles(system: System) -> str:

@@ -24,7 +24,7 @@ from harness.engines.lammps.law import wall_law
 from harness.engines.lammps.packing import packing_data
 from harness.engines.rounds import core_word
 from harness.engines.text import number, numbers
-from harness.engines.timed import refused
+from harness.engines.timed import refused, ring_refusal
 from harness.scene.contact import LinearNormal, SpringSliding
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ class TimedLammps:
 
     def refusal(self, system: System) -> str:
         """As the engine judges; the older style has the linear laws only."""
-        missing = refused(LAMMPS.supports(system)) or _wall_refusal(system)
+        missing = refused(LAMMPS.supports(system)) or _wall_refusal(system) or ring_refusal(system)
         return missing or (_hooke_refusal(system) if self.style == "hooke" else "")
 
     def render(self, system: System, *, skin: float) -> dict[str, str]:

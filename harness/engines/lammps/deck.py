@@ -7,8 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 from harness.engines.facts import loaded_walls
+from harness.engines.glued import MASS, group_lines, motion_lines
 from harness.engines.lammps.box import Box, simulation_box
 from harness.engines.lammps.effects import drag_lines, gravity_lines, integration_lines
+from harness.engines.lammps.files import CONTACTS, DECK, PACKING
 from harness.engines.lammps.law import pair_law
 from harness.engines.lammps.neighbours import neighbour_lines
 from harness.engines.lammps.output import (
@@ -18,31 +20,30 @@ from harness.engines.lammps.output import (
     run_lines,
 )
 from harness.engines.lammps.packing import kinds, packing_data
+from harness.engines.lammps.partition import balance_lines, processor_lines
 from harness.engines.lammps.walls import beyond_lines, loaded_wall_lines, wall_lines
 from harness.engines.text import comment, number
 from harness.scene.system import INERTIA_FACTOR, System
 
-DECK, PACKING, CONTACTS = "in.lammps", "packing.data", "contacts.in"
-LOG = "log.lammps"
-MARKER = "grainproof finished:"
-"""First words of the line by which the child process says that it got to the end."""
 
-
-def render(system: System) -> dict[str, str]:
-    """Return the deck's files by name; the same system gives the same bytes."""
+def render(system: System, ranks: int = 1) -> dict[str, str]:
+    """Return the deck's files by name, for so many processes; the same system gives the same bytes."""
     box = simulation_box(system)
-    files = {DECK: _deck(system, box), PACKING: packing_data(system, box)}
+    files = {DECK: _deck(system, box, ranks), PACKING: packing_data(system, box)}
     if system.contacts:
         files[CONTACTS] = contacts_deck(system, neighbour_lines(system, box))
     return files
 
 
-def _deck(system: System, box: Box) -> str:
+def _deck(system: System, box: Box, ranks: int) -> str:
     lines = [
-        *_title_lines(system),
+        *_title_lines(system, ranks),
+        *processor_lines(system, ranks),
         *atom_lines(system, box),
+        *balance_lines(system, box, ranks),
         *contact_lines(system, box),
         *integration_lines(system),
+        *motion_lines(system),
         *gravity_lines(system.gravity),
         *drag_lines(system.background),
         *wall_lines(system),
@@ -57,10 +58,12 @@ def _deck(system: System, box: Box) -> str:
 def render_prescribed(system: System) -> dict[str, str]:
     """Return the deck of prescribed motion: the law alone. Nothing integrates, pulls or drags the bodies.
 
-    Raises ValueError for a wall that moves.
+    Raises ValueError for a wall that moves, or a ring.
     """
     if any(w.motion is not None for w in system.walls):
         raise ValueError("prescribed motion knows fixed planes only")
+    if system.rings:
+        raise ValueError("prescribed motion knows no rings")
     alike = replace(system.particles, inertia_factor=np.full(len(system.particles), INERTIA_FACTOR["sphere"]))
     still = system.with_(particles=alike, contacts=False)
     box = simulation_box(still)
@@ -96,21 +99,23 @@ def _title(system: System) -> str:
     return f"# {comment(system.scene_name)}: {comment(system.title)}".rstrip(": ")
 
 
-def _title_lines(system: System) -> list[str]:
+def _title_lines(system: System, ranks: int) -> list[str]:
+    lmp = "lmp" if ranks == 1 else f"mpiexec -n {ranks} lmp"
     return [
         _title(system),
-        "# LAMMPS 22 Jul 2025; run it by: lmp -in in.lammps"
-        + (", then: lmp -in contacts.in" if system.contacts else ""),
+        f"# LAMMPS 22 Jul 2025; run it by: {lmp} -in in.lammps"
+        + (f", then: {lmp} -in contacts.in" if system.contacts else ""),
     ]
 
 
 def atom_lines(system: System, box: Box) -> list[str]:
     """Return what stands before any physics.
 
-    `newton off` and no sorting keep the order of a pair fixed, one rank keeps sums in one order.
+    `newton off` and no sorting keep the order of a pair fixed, one process keeps sums in one order.
     """
     grains = [str(t) for t in kinds(system).values()]
-    carriers = ", then wall carriers" if loaded_walls(system) else ""
+    others = ", then glued discs" if system.rings else ""
+    others += ", then wall carriers" if loaded_walls(system) else ""
     return [
         "units si",
         f"dimension {system.dimension}",
@@ -120,7 +125,8 @@ def atom_lines(system: System, box: Box) -> list[str]:
         "atom_modify map array sort 0 0",
         "comm_modify vel yes",
         "",
-        f"# grains{carriers}; masses come as they are, not through a density",
+        f"# grains{others}; masses come as they are, not through a density",
+        *_glued_comment(system),
         "fix grain_mass all property/atom d_mass",
         f"read_data {PACKING} fix grain_mass NULL GrainMass",
         "variable mass atom d_mass",
@@ -128,4 +134,10 @@ def atom_lines(system: System, box: Box) -> list[str]:
         "variable mass delete",
         "unfix grain_mass",
         f"group grains type {' '.join(grains)}",
+        *group_lines(system),
     ]
+
+
+def _glued_comment(system: System) -> list[str]:
+    words = f"# {number(MASS)} kg, of glued discs, stand for infinity: reduced masses are those of the grains"
+    return [words] if system.rings else []

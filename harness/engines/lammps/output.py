@@ -9,14 +9,14 @@ so that a run with contact output is the same, bit for bit, as one without.
 from __future__ import annotations
 
 from harness.engines.family import MEAN_SPIN, rotation_lines
+from harness.engines.glued import series_columns, series_lines
+from harness.engines.lammps.files import STATE
 from harness.engines.lammps.law import clone_stiffness, pair_law, springs_law
 from harness.engines.lammps.walls import force_sums
 from harness.engines.text import comment
 from harness.scene.system import System
 
 SERIES, WALLS, FRAMES = "series.dat", "walls.dat", "frames.dump"
-STATE = "state"
-"""Restart files are called state.<step>."""
 TOTAL, SPRINGS = "contacts.total.dump", "contacts.springs.dump"
 
 
@@ -78,8 +78,9 @@ def contacts_deck(system: System, neighbours: list[str]) -> str:
 
 def _series_lines(system: System) -> list[str]:
     """Return the series, and in walls.dat the same columns at the frames."""
-    walls = "; of every wall: displacement along its normal, rate, force of the grains on it"
-    lines = ["", f"# time{walls if system.walls else ''}", "variable time equal step*dt"]
+    walls = "; of every wall: displacement along its normal, rate, force of the grains on it" if system.walls else ""
+    rings = "; of every ring: torque of the grains on it about its centre, force" if system.rings else ""
+    lines = ["", f"# time{walls}{rings}", "variable time equal step*dt"]
     columns = {"time": "v_time"}
     for wall in system.walls:
         if wall.motion is not None:
@@ -88,8 +89,10 @@ def _series_lines(system: System) -> list[str]:
         for axis, force in zip("xyz", force_sums(system, wall), strict=False):
             lines.append(f"variable f{axis}_{wall.name} equal -{force}")
             columns[f"{wall.name}_f{axis}"] = f"v_f{axis}_{wall.name}"
+    lines += series_lines(system)
+    columns |= series_columns(system)
     lines.append(_table_line("series", SERIES, system.sample_every, columns))
-    if system.walls:
+    if system.walls or system.rings:
         lines.append(_table_line("walls", WALLS, system.frame_every, columns))
     return lines
 

@@ -1,8 +1,8 @@
-"""The data file: particles, and one carrier atom for every loaded wall.
+"""The data file: particles, the glued discs of rings, and one carrier atom for every loaded wall.
 
 Atom types tell the moments of inertia apart (LAMMPS integrates a group either as spheres or as
-discs); the last type is that of the carriers. Masses stand in a section of their own, because the
-density column of the Atoms section would round them.
+discs); then comes the type of the glued discs, and last that of the carriers. Masses stand in a
+section of their own, because the density column of the Atoms section would round them.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from harness.engines.facts import carrier_id, loaded_walls, rotates
+from harness.engines.glued import MASS, glued
 from harness.engines.lammps.box import Box
 from harness.engines.text import comment, number, numbers
 from harness.scene.system import INERTIA_FACTOR, System
@@ -27,18 +28,24 @@ def kinds(system: System) -> dict[str, int]:
     return {kind: t for t, kind in enumerate(present, start=1)}
 
 
+def carrier_type(system: System) -> int:
+    """Return the atom type of the wall carriers, the last one."""
+    return len(kinds(system)) + bool(system.rings) + 1
+
+
 def packing_data(system: System, box: Box) -> str:
     """Return the text of packing.data."""
     sections = [_header(system, box), "Atoms # sphere\n", *_atoms(system)]
-    if np.any(system.particles.v) or np.any(system.particles.spin):
+    if np.any(system.particles.v) or np.any(system.particles.spin) or np.any(glued(system).spin):
         sections += ["\nVelocities\n", *_velocities(system)]
     sections += ["\nGrainMass\n", *_masses(system)]
     return "\n".join(sections) + "\n"
 
 
 def _header(system: System, box: Box) -> str:
-    carriers = len(loaded_walls(system))
-    also = f", {carriers} wall carriers" if carriers else ""
+    carriers, discs = len(loaded_walls(system)), len(glued(system))
+    also = f", {discs} glued discs" if discs else ""
+    also += f", {carriers} wall carriers" if carriers else ""
     bounds = [
         f"{number(axis.low)} {number(axis.high)} {a}lo {a}hi" for a, axis in zip("xyz", box.axes, strict=True)
     ]
@@ -46,8 +53,8 @@ def _header(system: System, box: Box) -> str:
         [
             f"{comment(system.scene_name)}: {len(system.particles)} grains{also}",
             "",
-            f"{len(system.particles) + carriers} atoms",
-            f"{len(kinds(system)) + bool(carriers)} atom types",
+            f"{len(system.particles) + discs + carriers} atoms",
+            f"{carrier_type(system) - (not carriers)} atom types",
             "",
             *bounds,
             "",
@@ -63,8 +70,12 @@ def _atoms(system: System) -> list[str]:
     rows = [
         f"{i + 1} {types[i]} {number(2 * p.radius[i])} 1 {numbers(p.x[i])}{flat}" for i in range(len(p))
     ]
-    carrier_type = len(kinds(system)) + 1
-    return rows + [f"{carrier_id(system, w)} {carrier_type} 0 1 0 0 0" for w in loaded_walls(system)]
+    discs = glued(system)
+    rows += [
+        f"{i} {len(kinds(system)) + 1} {number(2 * a)} 1 {numbers(x)} 0"
+        for i, a, x in zip(discs.id, discs.radius, discs.x, strict=True)
+    ]
+    return rows + [f"{carrier_id(system, w)} {carrier_type(system)} 0 1 0 0 0" for w in loaded_walls(system)]
 
 
 def _types(system: System) -> np.ndarray:
@@ -79,9 +90,12 @@ def _velocities(system: System) -> list[str]:
     p = system.particles
     flat, spin = (" 0", "0 0 ") if system.dimension == 2 else ("", "")
     rows = [f"{i + 1} {numbers(p.v[i])}{flat} {spin}{numbers(p.spin[i])}" for i in range(len(p))]
+    discs = glued(system)
+    rows += [f"{i} {numbers(v)} 0 0 0 {number(w)}" for i, v, w in zip(discs.id, discs.v, discs.spin, strict=True)]
     return rows + [f"{carrier_id(system, w)} 0 0 0 0 0 0" for w in loaded_walls(system)]
 
 
 def _masses(system: System) -> list[str]:
     rows = [f"{i + 1} {number(m)}" for i, m in enumerate(system.particles.mass)]
+    rows += [f"{i} {number(MASS)}" for i in glued(system).id]
     return rows + [f"{carrier_id(system, w)} {number(w.motion.mass)}" for w in loaded_walls(system)]

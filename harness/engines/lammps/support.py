@@ -32,6 +32,10 @@ NOTES: dict[str, tuple[Level, str]] = {
     "periodic axes": ("exact", "boundary p"),
     "driven walls": ("exact", "region move: the wall velocity is the half-step one, by difference of positions"),
     "loaded walls": ("exact", "a carrier atom integrates the wall by velocity Verlet"),
+    "glued rings": (
+        "exact", "atoms of 2^100 kg, so that reduced masses are those of the grains, led by fix move rotate: forces see"
+        " the velocities of glued discs at the end of the step"
+    ),
     "dynamic friction": (
         "unsupported", "tangential linear_history takes one coefficient: a second one is an illegal pair_coeff command"
     ),
@@ -47,10 +51,10 @@ FAMILIES: dict[str, tuple[str, dict[type, Row]]] = {
 """Effects that laws bring: the system's field that holds the law, and the table that knows it."""
 
 
-def judge(system: System) -> tuple[Support, ...]:
-    """Return one judgement an effect, and one for each thing LAMMPS cannot do."""
+def judge(system: System, ranks: int = 1) -> tuple[Support, ...]:
+    """Return one judgement an effect, and one for each thing LAMMPS cannot do (on so many processes)."""
     found = [_known(system, effect) for effect in effects_on(system)]
-    return (*found, *(s for check in _CHECKS for s in check(system)))
+    return (*found, *(s for check in _CHECKS for s in check(system)), *(_apart(system) if ranks > 1 else ()))
 
 
 def _known(system: System, effect: str) -> Support:
@@ -152,7 +156,18 @@ def _narrow(system: System) -> list[Support]:
     return [Support(effect="periodic axes", level="unsupported", note=note)] if axes else []
 
 
+def _periodic_rings(system: System) -> list[Support]:
+    if not system.rings or system.periodic is None:
+        return []
+    note = "with periodic axes: torques are taken about the centre, not about its nearest image"
+    return [Support(effect="glued rings", level="unsupported", note=note)]
+
+
+def _apart(system: System) -> list[Support]:
+    return []
+
+
 _CHECKS = (
     _shear_damping, _adhesive_limit, _adhesive_walls, _torsion, _contact_output, _inertia, _pushed_at_start, _crossing,
-    _narrow,
+    _narrow, _periodic_rings,
 )

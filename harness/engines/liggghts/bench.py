@@ -24,7 +24,7 @@ from harness.engines.liggghts.planes import meshes
 from harness.engines.liggghts.walls import wall_lines
 from harness.engines.rounds import core_word
 from harness.engines.text import number
-from harness.engines.timed import refused
+from harness.engines.timed import refused, ring_refusal
 
 if TYPE_CHECKING:
     from harness.engines.protocol import Probe
@@ -48,7 +48,7 @@ class TimedLiggghts:
 
     def refusal(self, system: System) -> str:
         """As the engine judges."""
-        missing = refused(LIGGGHTS.supports(system))
+        missing = refused(LIGGGHTS.supports(system)) or ring_refusal(system)
         return missing or ("only fixed walls across an axis are timed" if meshes(system) else "")
 
     def render(self, system: System, *, skin: float) -> dict[str, str]:

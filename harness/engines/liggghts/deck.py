@@ -7,6 +7,8 @@ import math
 import numpy as np
 
 from harness.engines.facts import loaded_walls
+from harness.engines.glued import MASS, exclusion_lines, glued, group_lines
+from harness.engines.glued import motion_lines as ring_lines
 from harness.engines.liggghts.domain import Domain, domain_of
 from harness.engines.liggghts.law import header_lines, history, law_lines
 from harness.engines.liggghts.motions import carrier_lines, constant_motion_lines, motion_lines
@@ -14,6 +16,7 @@ from harness.engines.liggghts.output import contact_computes, frame_lines, serie
 from harness.engines.liggghts.packing import packing_data
 from harness.engines.liggghts.planes import meshes, space, stl
 from harness.engines.liggghts.walls import wall_lines
+from harness.engines.ranks import processor_lines
 from harness.engines.text import comment, number
 from harness.scene.system import System
 
@@ -28,34 +31,38 @@ MAX_BINS = 1_000_000
 """Cells of the neighbour search; a wide domain around few particles gets larger cells instead."""
 
 
-def render(system: System) -> dict[str, str]:
-    """Return the deck files by name: deterministic, 17 digits."""
+def render(system: System, ranks: int = 1) -> dict[str, str]:
+    """Return the deck files by name, for so many processes: deterministic, 17 digits."""
     domain = domain_of(system)
-    files = {INPUT: input_script(system, domain), DATA: packing_data(system, domain)}
+    files = {INPUT: input_script(system, domain, ranks), DATA: packing_data(system, domain)}
     return files | {f"{w.name}.stl": stl(system, w, domain.bounds) for w in meshes(system)}
 
 
-def input_script(system: System, domain: Domain) -> str:
+def input_script(system: System, domain: Domain, ranks: int = 1) -> str:
     """Return the text of in.liggghts, one group of lines an effect."""
     lines = [
-        *opening_lines(system, domain), *neighbour_lines(system, domain), *law_lines(system),
+        *opening_lines(system, domain, ranks), *neighbour_lines(system, domain), *law_lines(system),
         "", "# velocity Verlet", "fix integrate grains nve/sphere",
         *drag_lines(system), *gravity_lines(system), *wall_lines(system),
         *constant_motion_lines(system), *flat_lines(system, domain),
         *contact_computes(system), *_first_force_lines(system), "", f"timestep {number(system.dt)}",
-        *motion_lines(system), *series_lines(system), *frame_lines(system), *_run_lines(system),
+        *motion_lines(system), *ring_lines(system), *series_lines(system), *frame_lines(system), *_run_lines(system),
     ]
     return "\n".join(lines) + "\n"
 
 
-def opening_lines(system: System, domain: Domain) -> list[str]:
+def opening_lines(system: System, domain: Domain, ranks: int = 1) -> list[str]:
     """Return what stands before any physics: title, units, atoms."""
-    particles = len(system.particles)
+    particles, discs = len(system.particles), len(glued(system))
+    also = [f"# {discs} glued discs behind them, whose {number(MASS)} kg stand for infinity"] if discs else []
+    launcher = f"mpirun -np {ranks} " if ranks > 1 else ""
     return [
         f"# {comment(system.title) or system.scene_name}",
-        f"# LIGGGHTS-PUBLIC 3.8.0; run it by: liggghts -in {INPUT}",
+        f"# LIGGGHTS-PUBLIC 3.8.0; run it by: {launcher}liggghts -in {INPUT}",
         f"# {particles} particles, {system.steps} steps of {number(system.dt)} s",
+        *also,
         "units si",
+        *processor_lines(system, ranks),
         "atom_style granular",
         "atom_modify map array sort 0 0   # sorting would swap i and j of a contact",
         f"boundary {domain.styles}",
@@ -64,6 +71,7 @@ def opening_lines(system: System, domain: Domain) -> list[str]:
         "communicate single vel yes",
         *header_lines(system),
         f"read_data {DATA}",
+        *group_lines(system),
         *carrier_lines(system),
     ]
 
@@ -82,7 +90,8 @@ def neighbour_lines(system: System, domain: Domain) -> list[str]:
     words += cell_words(domain, 2.0 * factor * float(system.particles.radius.max()) + skin)
     if loaded_walls(system):
         words.append("exclude group carriers all")
-    return ["", "# neighbours", f"neighbor {number(skin)} bin", f"neigh_modify {' '.join(words)}"]
+    search = [f"neighbor {number(skin)} bin", f"neigh_modify {' '.join(words)}", *exclusion_lines(system)]
+    return ["", "# neighbours", *search]
 
 
 def skin_of(system: System) -> float:
@@ -132,7 +141,7 @@ def _first_force_lines(system: System) -> list[str]:
 
 
 def _run_lines(system: System) -> list[str]:
-    atoms = len(system.particles) + len(loaded_walls(system))
+    atoms = len(system.particles) + len(glued(system)) + len(loaded_walls(system))
     return [
         "",
         f"run {system.steps}",

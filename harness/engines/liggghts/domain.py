@@ -1,8 +1,9 @@
 """The domain: where LIGGGHTS keeps its atoms and mesh centres, which is not where the walls are.
 
 Faces are fixed (`f`) or periodic (`p`). A particle that leaves through a fixed face is lost and the
-run stops ("unstable"), so behind a wall there is little room, and on an open side there is as much
-as the particles can need: their greatest speed, from the whole energy in one of them, times the time.
+run stops ("unstable"), so behind a wall, or a ring around all, there is little room, and on an open
+side there is as much as the particles can need: their greatest speed, from the whole energy in one of
+them, times the time.
 """
 
 from __future__ import annotations
@@ -13,6 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.engines.facts import is_periodic, rotates, walls_across
+from harness.engines.glued import enclosing, glued
+from harness.engines.glued import reach as reach_of_rings
 from harness.engines.liggghts.planes import anchor, is_still, mesh_velocity, meshes, reach
 from harness.scene.contact import HertzNormal, LinearNormal, NormalLaw
 from harness.scene.system import INERTIA_FACTOR, Constant, Cosine, Loaded, System, Wall
@@ -61,9 +64,12 @@ def _bounds(system: System, axis: int) -> tuple[float, float]:
     room = ROOM_IN_RADII * float(p.radius.max())
     ends = [float((p.x[:, axis] - p.radius).min()), float((p.x[:, axis] + p.radius).max())]
     ends += [w.point[axis] for side in (1.0, -1.0) for w in walls_across(system, axis, side)]
+    ends += reach_of_rings(system, axis)
     extent = max(ends) - min(ends)
     ends += [e for w in meshes(system) for e in _anchors(system, w, extent, axis)]
     low, high = min(ends) - room, max(ends) + room
+    if enclosing(system) is not None:
+        return low, high
     if not walls_across(system, axis, 1.0):
         low -= _flight(system, extent)
     if not walls_across(system, axis, -1.0):
@@ -91,6 +97,7 @@ def _flight(system: System, extent: float) -> float:
     gravity = 0.0 if system.gravity is None else math.hypot(*system.gravity)
     speed = math.sqrt(2.0 * _energy(system, extent) / float(system.particles.mass.min()))
     speed += 2.0 * sum(_wall_speed(w) for w in system.walls)
+    speed += 2.0 * sum(abs(r.omega or 0.0) * (r.circle + float(r.radius.max())) for r in system.rings)
     return speed * time + 0.5 * gravity * time**2
 
 
@@ -120,6 +127,9 @@ def _overlap_energy(system: System) -> float:
     i, j = cKDTree(p.x).query_pairs(2.0 * p.radius.max(), output_type="ndarray").T
     overlaps = [p.radius[i] + p.radius[j] - np.linalg.norm(p.x[i] - p.x[j], axis=1)]
     overlaps += [p.radius - (p.x - w.point) @ np.array(w.normal) for w in system.walls]
+    if system.rings:
+        discs = glued(system)
+        overlaps.append(p.radius[:, None] + discs.radius - np.linalg.norm(p.x[:, None] - discs.x, axis=2))
     return sum(_stored(system.normal, o.clip(min=0.0), float(p.radius.max())) for o in overlaps)
 
 

@@ -28,9 +28,11 @@ CELLS = 20_000
 
 
 def render_prescribed(system: System) -> dict[str, str]:
-    """Return the deck files; raises ValueError for a wall that moves, or a periodic axis."""
+    """Return the deck files; raises ValueError for a wall that moves, a ring, or a periodic axis."""
     if any(w.motion is not None for w in system.walls) or system.periodic is not None:
         raise ValueError("prescribed motion knows fixed planes and open axes only")
+    if system.rings:
+        raise ValueError("prescribed motion knows no rings")
     still = _at_rest(system)
     domain = _roomy(domain_of(still), ROOM * float(system.particles.radius.max()), system.dimension)
     files = {INPUT: _script(still, domain), DATA: packing_data(still, domain)}

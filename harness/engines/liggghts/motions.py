@@ -22,6 +22,7 @@ import math
 import numpy as np
 
 from harness.engines.facts import carrier_id, loaded_walls
+from harness.engines.glued import GROUP
 from harness.engines.liggghts.planes import is_still, mesh_velocity, meshes, normal_speed, space
 from harness.engines.text import number
 from harness.scene.system import Constant, Cosine, Loaded, System, Wall
@@ -129,7 +130,8 @@ def carrier_lines(system: System) -> list[str]:
     """Return the groups: the particles, and each carrier."""
     lines = [f"group grains id 1:{len(system.particles)}"]
     lines += [f"group {w.name}_carrier id {carrier_id(system, w)}" for w in loaded_walls(system)]
-    return lines + (["group carriers subtract all grains"] if loaded_walls(system) else [])
+    others = f"grains {GROUP}" if system.rings else "grains"
+    return lines + ([f"group carriers subtract all {others}"] if loaded_walls(system) else [])
 
 
 def _move(wall: Wall, speed: str) -> list[str]:

@@ -6,6 +6,7 @@ of its own (`thermo_log`). Its total kinetic energy is only looked at for NaN.
 
 from __future__ import annotations
 
+from harness.engines import glued
 from harness.engines.facts import is_rough
 from harness.engines.family import MEAN_SPIN, rotation_lines
 from harness.engines.liggghts.law import told_history
@@ -23,7 +24,8 @@ def contact_computes(system: System) -> list[str]:
         return []
     lines = ["", "# contacts, evaluated again from full-step velocities, which changes nothing"]
     history = " history" if told_history(system) else ""
-    lines.append(f"compute pairs grains pair/gran/local id force{history} delta")
+    bodies = "all" if system.rings else "grains"
+    lines.append(f"compute pairs {bodies} pair/gran/local id force{history} delta")
     if meshes(system) and shares_are_unclear(system):
         kept = history if _any_rough_mesh(system) else ""
         lines.append(f"compute shares grains wall/gran/local id force{kept} delta")
@@ -32,13 +34,14 @@ def contact_computes(system: System) -> list[str]:
 
 def series_lines(system: System) -> list[str]:
     """Return the series: displacement and rate of moving walls, force of the particles on every wall."""
-    lines = ["", "# series of the walls"]
+    lines = ["", "# series of the walls", *glued.series_lines(system)]
     for wall in system.walls:
         lines += _wall_lines(system, wall)
-    columns = " ".join(f"v_{c}" for w in system.walls for c in wall_columns(system, w))
+    columns = [f"v_{c}" for w in system.walls for c in wall_columns(system, w)]
+    columns += glued.series_columns(system).values()
     return [
         *lines, "compute motion grains ke",
-        f"thermo_style custom step atoms c_motion {columns}".rstrip(),
+        f"thermo_style custom step atoms c_motion {' '.join(columns)}".rstrip(),
         'thermo_modify lost error flush yes format float "%.17g "',
         f"thermo_log {SERIES}", *_schedule(system),
     ]

@@ -1,4 +1,4 @@
-"""Prescribed motion: ``python -m harness.engines.liggghts.prescribed FOLDER``.
+"""Prescribed motion: ``python -m harness.engines.liggghts.prescribed FOLDER [LIBRARY]``.
 
 Every row of path.npz is written into the running instance through its C library, which then makes one step
 without an integrator: it renews its neighbour lists, moves histories on by dt and evaluates the laws exactly there.
@@ -23,8 +23,8 @@ LIBRARY = "libliggghts.so.3"
 class Instance:
     """LIGGGHTS in this process; an error of its own ends the process, with its message on standard output."""
 
-    def __init__(self):
-        self.library = ctypes.CDLL(LIBRARY)
+    def __init__(self, library: str = LIBRARY):
+        self.library = ctypes.CDLL(library)
         self.library.lammps_extract_atom.restype = ctypes.c_void_p
         self.library.lammps_extract_global.restype = ctypes.c_void_p
         words = [b"liggghts", b"-log", b"none"]
@@ -118,12 +118,12 @@ def _refuse(instance: Instance, x: np.ndarray) -> None:
         raise ValueError(f"{PATH_FILE} leads a body more than {ROOM:g} radii away from its place in {INPUT}")
 
 
-def main(folder: str) -> int:
+def main(folder: str, library: str = LIBRARY) -> int:
     """Drive the deck in `folder`; return the exit status. Raises OSError, ValueError."""
     os.chdir(folder)
     with np.load(PATH_FILE) as saved:
         path = {name: saved[name] for name in ("x", "v", "spin")}
-    instance = Instance()
+    instance = Instance(library)
     instance.read(INPUT)
     force, torque = drive(instance, path)
     atoms = instance.atoms
@@ -137,7 +137,7 @@ def main(folder: str) -> int:
 
 if __name__ == "__main__":
     try:
-        status = main(sys.argv[1])
+        status = main(*sys.argv[1:])
     except (OSError, ValueError) as error:
         print(f"ERROR: {error}", flush=True)
         status = 1

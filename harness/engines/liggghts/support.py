@@ -24,6 +24,10 @@ NOTES = {
     "gravity": exact("fix gravity"),
     "periodic axes": exact("boundary p"),
     "driven walls": exact("move/mesh with the mean rate of the step"),
+    "glued rings": exact(
+        "atoms of 2^100 kg, so that reduced masses are those of the particles, led by fix move rotate: forces see the "
+        "velocities of glued discs at the end of the step"
+    ),
     "loaded walls": exact("leapfrog form of velocity Verlet, state kept in a carrier atom, force of each mesh"),
 }
 """All effects but contact laws, which judge themselves (`law`)."""
@@ -95,6 +99,13 @@ def _bodies(system: System) -> list[Support]:
     return [Support(effect="dashpots", level="unsupported", note=reason)] if reason else []
 
 
+def _periodic_rings(system: System) -> list[Support]:
+    if not system.rings or system.periodic is None:
+        return []
+    note = "with periodic axes: torques are taken about the centre, not about its nearest image"
+    return [Support(effect="glued rings", level="unsupported", note=note)]
+
+
 def _contact_output(system: System) -> list[Support]:
     """Some laws move their history whenever they are evaluated, also for output."""
     if not system.contacts:
@@ -111,4 +122,7 @@ def _cut_just_so(system: System) -> bool:
     return damped and getattr(system.normal, "normal_damping", 0.0) == 0.0
 
 
-_CHECKS = (_inertia, _bodies, _contact_output, _narrow_period, _crossing_walls, _tiled_walls, _span_of_loaded_walls)
+_CHECKS = (
+    _inertia, _bodies, _contact_output, _narrow_period, _periodic_rings, _crossing_walls, _tiled_walls,
+    _span_of_loaded_walls,
+)

@@ -11,16 +11,17 @@ from harness.studies.compare.curves import BiaxialCurves, biaxial_curves
 from harness.studies.compare.growth import Growth, difference_growth
 from harness.studies.compare.macro import macro_values
 from harness.studies.compare.pairs import Pair, pairs_of
-from harness.studies.compare.pointwise import parting_checks, window_checks
+from harness.studies.compare.phases import Phase, phases_of
+from harness.studies.compare.pointwise import parting_checks, peak_checks, window_checks
 from harness.studies.compare.published import published_checks
-from harness.studies.compare.run_checks import balance_checks, control_checks, inertia_checks, place_checks
+from harness.studies.compare.run_checks import balance_checks, control_checks, drive_checks, place_checks
 from harness.studies.compare.states import StateCurves, state_curves
 from harness.studies.verdict import Check, Rerun
 
 
 @dataclass(frozen=True, kw_only=True)
 class BiaxialResult:
-    """What the report draws. Keys are engine names; curves, growth and states are of the first packing.
+    """What the report draws. Keys are engine names; curves, growth, states and phases are of the first packing.
 
     macro: (engine, packing) -> quantity -> value.
     """
@@ -29,6 +30,7 @@ class BiaxialResult:
     curves: dict[str, BiaxialCurves]
     growth: dict[str, Growth]
     states: dict[str, StateCurves]
+    phases: dict[str, tuple[Phase, ...]]
     macro: dict[tuple[str, int], dict[str, float]]
 
 
@@ -46,22 +48,25 @@ def judge_biaxial(
     checks = [
         *window_checks(pairs, scene.compare.windows, curves, rerun),
         *parting_checks(pairs, curves, rerun),
+        *peak_checks(pairs, curves, rerun),
         *published_checks(scene, engines, result.macro, rerun),
         *control_checks(curves, rerun),
         *place_checks(with_systems, rerun),
         *balance_checks(result.states, rerun),
-        *inertia_checks(with_systems, rerun),
+        *drive_checks(with_systems, result.states, rerun),
     ]
     return checks, result
 
 
 def _result(scene: Biaxial, starts, finished, pairs: list[Pair], curves) -> BiaxialResult:
     first = {r.engine: r.trajectory for r in finished if r.packing == 0}
+    states = {e: state_curves(t, starts[0].system) for e, t in first.items()}
     return BiaxialResult(
         pairs=tuple(pairs),
-        curves={e: of[0] for e, of in curves.items() if 0 in of},
+        curves={e: curves[e][0] for e in first},
         growth={p.name: difference_growth(first[p.left], first[p.right]) for p in pairs if not p.missing(first)},
-        states={e: state_curves(t, starts[0].system) for e, t in first.items()},
+        states=states,
+        phases={e: phases_of(curves[e][0], states[e], scene.compare.plateau) for e in first},
         macro={(e, k): macro_values(c, scene) for e, of in curves.items() for k, c in of.items()},
     )
 

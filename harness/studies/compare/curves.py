@@ -11,10 +11,12 @@ Everything here is what an experimenter measures at the walls of the box, from t
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from harness.scene.system import System
+from harness.studies.compare.peak import Peak, first_peak
 from postproc.trajectory import Trajectory
 
 SMOOTHED = 0.005
@@ -78,14 +80,13 @@ class BiaxialCurves:
         """(F_right - p_x z) / (p_x z)."""
         return self.force_right / (self.pressure * self.z) - 1.0
 
-    @property
-    def peak(self) -> int:
-        """Sample at which sigma_zz, smoothed over `SMOOTHED`, is largest (or first no number).
+    @cached_property
+    def peak(self) -> Peak | None:
+        """Where the first loading branch of sigma_zz ends, None without a clear peak, see `first_peak`.
 
-        Unsmoothed, a burst long after the peak could be taken for it; of the ratio, the side force that
-        the control check judges would decide where it is judged.
+        Of the ratio, the side force that the control check judges would decide where it is judged.
         """
-        return int(np.argmax(self.smoothed(self.stress_zz)))
+        return first_peak(self.strain, self.stress_zz, self.smoothed(self.stress_zz), settled=SMOOTHED)
 
     def smoothed(self, values: np.ndarray) -> np.ndarray:
         """Return the mean of `values` (S,) over the samples within half of `SMOOTHED` strain on either side.

@@ -8,12 +8,14 @@ from dataclasses import dataclass
 from harness.scene.laws import turning
 from harness.scene.model import Agreement, Free
 from harness.studies.compare.exits import ExitValues, exit_values
+from harness.studies.compare.finest import Finest, finest_differences
 from harness.studies.compare.growth import (
+    Compared,
     Growth,
     Lengths,
-    column_deviation,
+    compared_columns,
+    compared_displacements,
     difference_growth,
-    displacement_deviation,
 )
 from harness.studies.compare.pairs import Pair, pairs_of
 from harness.studies.verdict import Check, Rerun, judged, not_checked
@@ -21,6 +23,9 @@ from postproc.trajectory import Trajectory
 
 COLUMNS = {"velocity": ("vx", "vy", "vz"), "spin": ("wx", "wy", "wz")}
 """What is compared over the whole trajectory besides displacements."""
+
+CAUSE = {"displacement": "velocity", "velocity": "velocity", "spin": "spin"}
+"""What changes when a law acts: a body that flies on at constant velocity is displaced by none."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,12 +49,13 @@ def judge_free(scene: Free, starts, runs, engines: list[str], rerun: Rerun) -> t
         },
         exits={e: exit_values(t, starts[0].system) for e, t in done.items()},
     )
-    return agreement_checks(pairs, scene.compare.agreements, done, rerun, scene.periodic), result
+    finest = finest_differences(scene, starts[0].system)
+    return agreement_checks(pairs, scene.compare.agreements, done, finest, rerun, scene.periodic), result
 
 
 def agreement_checks(
-    pairs: list[Pair], agreements: tuple[Agreement, ...], done: Mapping[str, Trajectory], rerun: Rerun,
-    periodic: Lengths = None,
+    pairs: list[Pair], agreements: tuple[Agreement, ...], done: Mapping[str, Trajectory],
+    finest: Mapping[str, Finest], rerun: Rerun, periodic: Lengths = None,
 ) -> list[Check]:
     """Whole trajectories, for every pair of the kind that an agreement declares (level L1)."""
     found = []
@@ -60,22 +66,43 @@ def agreement_checks(
             why = f"declared for {agreement.pairs}, and no two of the engines are such a pair"
             found.append(not_checked(**facts, quantity="whole trajectory", left="-", right="-", why=why))
         for p in wanted:
-            found += _agreement(p, {**facts, "left": p.left, "right": p.right}, done, rerun, periodic)
+            pair = {**facts, "left": p.left, "right": p.right}
+            missing = p.missing(done)
+            if missing:
+                found.append(not_checked(**pair, quantity="whole trajectory", why=missing))
+                continue
+            compared = _compared(done[p.left], done[p.right], periodic)
+            found += [_quantity(pair, name, compared, finest, rerun(p.left, p.right)) for name in compared]
     return found
 
 
-def _agreement(pair: Pair, facts: dict, done: Mapping[str, Trajectory], rerun: Rerun, periodic: Lengths) -> list[Check]:
-    missing = pair.missing(done)
-    if missing:
-        return [not_checked(**facts, quantity="whole trajectory", why=missing)]
-    a, b = done[pair.left], done[pair.right]
-    deviations = {"displacement": displacement_deviation(a, b, periodic)}
-    deviations |= {name: column_deviation(a, b, columns) for name, columns in COLUMNS.items()}
-    return [_quantity(facts, name, d, rerun(pair.left, pair.right)) for name, d in deviations.items()]
+def _compared(a: Trajectory, b: Trajectory, periodic: Lengths) -> dict[str, Compared]:
+    columns = {name: compared_columns(a, b, columns) for name, columns in COLUMNS.items()}
+    return {"displacement": compared_displacements(a, b, periodic), **columns}
 
 
-def _quantity(facts: dict, name: str, deviation: float | None, rerun: str) -> Check:
+def _quantity(
+    facts: dict, name: str, compared: Mapping[str, Compared], finest: Mapping[str, Finest], rerun: str
+) -> Check:
+    """Judge the difference over the size, and never more finely than the scene's numbers resolve.
+
+    What differs, differs; but agreement of zeros, of rounding, or of bodies on which nothing acts is none.
+    """
     facts = {**facts, "quantity": f"{name}, whole trajectory"}
-    if deviation is None:
-        return not_checked(**facts, why="zero in both runs at all times: nothing to compare")
+    size = max(compared[name].size, finest[name].value / facts["tolerance"])
+    deviation, nothing = compared[name].difference / size, _nothing(name, compared, finest)
+    if deviation <= facts["tolerance"] and nothing:
+        return not_checked(**facts, why=f"{nothing}: nothing to compare")
     return judged(**facts, deviation=deviation, why="largest over all frames and bodies", rerun=rerun)
+
+
+def _nothing(name: str, compared: Mapping[str, Compared], finest: Mapping[str, Finest]) -> str:
+    """Say why there is nothing to compare, "" if there is something."""
+    size, cause = compared[name].size, CAUSE[name]
+    if size == 0.0:
+        return "zero in both runs at all times"
+    if size <= finest[name].value:
+        return f"at most {size:.2g} {finest[name].unit}, which is rounding in this scene"
+    if compared[cause].change <= finest[cause].value:
+        return f"no body's {cause} changes in either run, so no law has acted"
+    return ""

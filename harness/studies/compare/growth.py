@@ -33,8 +33,25 @@ def difference_growth(a: Trajectory, b: Trajectory, periodic: Lengths = None) ->
     return Growth(time=np.array([f.time for f in a]), difference=rms)
 
 
-def displacement_deviation(a: Trajectory, b: Trajectory, periodic: Lengths = None) -> float | None:
-    """Return max |x_a - x_b| over the largest displacement since the start; None if nothing moves.
+@dataclass(frozen=True, kw_only=True)
+class Compared:
+    """A quantity of two runs over all frames and bodies, in its own unit; NaN if one of its values is.
+
+    difference: largest between the runs. size: largest in either. change: largest since the start in either.
+    """
+
+    difference: float
+    size: float
+    change: float
+
+    @property
+    def relative(self) -> float | None:
+        """The difference over the size; None if all is zero."""
+        return None if self.size == 0.0 else self.difference / self.size
+
+
+def compared_displacements(a: Trajectory, b: Trajectory, periodic: Lengths = None) -> Compared:
+    """Compare what bodies moved since the start.
 
     Relative to a coordinate far from the origin any two paths would agree, hence displacements. An
     engine may fold particles back into a periodic box at another step: images are taken as nearest.
@@ -42,12 +59,12 @@ def displacement_deviation(a: Trajectory, b: Trajectory, periodic: Lengths = Non
     """
     _require_same_steps(a, b)
     left, right = _places(a), _places(b)
-    moved = [nearest_image(x - x[0], periodic) for x in (left, right)]
-    return _relative(nearest_image(left - right, periodic), *moved)
+    moved = _largest(*(nearest_image(x - x[0], periodic) for x in (left, right)))
+    return Compared(difference=_largest(nearest_image(left - right, periodic)), size=moved, change=moved)
 
 
-def column_deviation(a: Trajectory, b: Trajectory, columns: Sequence[str]) -> float | None:
-    """Return max |a - b| / max(|a|, |b|) over frames, particles and columns; None if all is zero.
+def compared_columns(a: Trajectory, b: Trajectory, columns: Sequence[str]) -> Compared:
+    """Compare columns of the particles, such as velocities.
 
     Columns that there are not, such as vz in 2D, are left out. Raises ValueError when the frames are
     not of the same steps.
@@ -55,7 +72,19 @@ def column_deviation(a: Trajectory, b: Trajectory, columns: Sequence[str]) -> fl
     _require_same_steps(a, b)
     present = [c for c in columns if c in a.frames[0].particles]
     left, right = (np.array([[f.particles[c] for c in present] for f in t]) for t in (a, b))
-    return _relative(left - right, left, right)
+    return Compared(
+        difference=_largest(left - right), size=_largest(left, right), change=_largest(left - left[0], right - right[0])
+    )
+
+
+def displacement_deviation(a: Trajectory, b: Trajectory, periodic: Lengths = None) -> float | None:
+    """Return max |x_a - x_b| over the largest displacement; None if nothing moves, see `compared_displacements`."""
+    return compared_displacements(a, b, periodic).relative
+
+
+def column_deviation(a: Trajectory, b: Trajectory, columns: Sequence[str]) -> float | None:
+    """Return max |a - b| / max(|a|, |b|); None if all is zero, see `compared_columns`."""
+    return compared_columns(a, b, columns).relative
 
 
 def nearest_image(apart: np.ndarray, periodic: Lengths) -> np.ndarray:
@@ -76,7 +105,6 @@ def _require_same_steps(a: Trajectory, b: Trajectory) -> None:
         raise ValueError(f"frames at different steps: {a.steps[:3]}... and {b.steps[:3]}...")
 
 
-def _relative(difference: np.ndarray, *sizes: np.ndarray) -> float | None:
-    """Return max |difference| / max |sizes|, NaN if there is one among them, None if all is zero."""
-    size = np.max([np.abs(s).max(initial=0.0) for s in sizes])
-    return None if size == 0.0 else float(np.abs(difference).max(initial=0.0) / size)
+def _largest(*values: np.ndarray) -> float:
+    """Return max |values|, NaN if there is one among them, 0 of nothing."""
+    return float(np.max([np.abs(v).max(initial=0.0) for v in values]))

@@ -5,7 +5,7 @@ A run that is missing gives `not_checked`. With several packings the worst one c
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Sized
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from harness.studies.compare.pairs import Pair
 from harness.studies.verdict import Check, Rerun, judged, not_checked
 
 PARTED = 1e-2
-"""Relative difference of the top-wall force at which two runs no longer follow each other."""
+"""Relative difference of the top-wall force, or of two peaks, at which two runs no longer follow each other."""
 
 Curves = Mapping[str, Mapping[int, BiaxialCurves]]
 """Curves by engine and packing."""
@@ -83,11 +83,50 @@ def _parting_check(pair: Pair, both: Mapping[int, tuple[BiaxialCurves, BiaxialCu
     return Check(**facts, deviation=worst, tolerance=PARTED, verdict="inconclusive", why=why)
 
 
+def peak_checks(pairs: Sequence[Pair], curves: Curves, rerun: Rerun) -> list[Check]:
+    """Whether two runs have one peak, for every pair of which both completed; none where no run has a peak.
+
+    The peak is defined so that round-off should not move it (`harness.studies.compare.peak`); here that is seen.
+    """
+    found = ((p, list(p.both(curves).values())) for p in pairs)
+    return [
+        _peak_check(p, both, rerun(p.left, p.right)) for p, both in found if any(c.peak for ab in both for c in ab)
+    ]
+
+
+def _peak_check(pair: Pair, both: Sequence[tuple[BiaxialCurves, BiaxialCurves]], rerun: str) -> Check:
+    """Judge the height, and that each peak lies on the other's top; chaos excuses runs that had parted before."""
+    facts = {"level": "L2", "quantity": "peak of sigma_zz", "left": pair.left, "right": pair.right}
+    apart = [_peaks_apart(a, b) for a, b in both]
+    worst = int(np.argmax(apart))
+    a, b = both[worst]
+    where = " and ".join("nowhere" if c.peak is None else f"at {c.peak.where}" for c in (a, b)) + _of(both)
+    deviation = None if np.isinf(apart[worst]) else apart[worst]
+    if deviation is not None and deviation <= PARTED:
+        return judged(**facts, deviation=deviation, tolerance=PARTED, why=where, rerun=rerun)
+    samples = _followed(force_deviation(a, b))
+    followed = a.strain[max(samples - 1, 0)]
+    if samples and followed < min(c.peak.strain for c in (a, b) if c.peak):
+        why = f"{where}: later than {100 * followed:.3g} %, where the runs had parted, so it depends on round-off"
+        return Check(**facts, deviation=deviation, tolerance=PARTED, verdict="inconclusive", why=why)
+    why = f"{where}, and no chaos had parted the runs before; rerun: {rerun}"
+    return Check(**facts, deviation=deviation, tolerance=PARTED, verdict="differs", why=why)
+
+
+def _peaks_apart(a: BiaxialCurves, b: BiaxialCurves) -> float:
+    """Return the relative difference of the peaks' heights, inf if one has none or they are not one peak."""
+    p, q = a.peak, b.peak
+    if p is None or q is None or not (p.low <= q.strain <= p.high and q.low <= p.strain <= q.high):
+        return float("inf")
+    left, right = (float(c.smoothed(c.stress_zz)[c.peak.sample]) for c in (a, b))
+    return abs(left - right) / max(abs(left), abs(right))
+
+
 def _followed(deviation: np.ndarray) -> int:
     """Return the number of samples before the first that is not within `PARTED`."""
     apart = np.flatnonzero(~(deviation <= PARTED))
     return int(apart[0]) if apart.size else len(deviation)
 
 
-def _of(both: Mapping[int, object]) -> str:
+def _of(both: Sized) -> str:
     return f" of {len(both)} packings" if len(both) > 1 else ""

@@ -27,7 +27,7 @@ def published_checks(scene: Biaxial, engines: Sequence[str], macro: Macro, rerun
     """Compare each engine's values over all packings with what the scene names as published (L3)."""
     values = [published_values()[name] for name in scene.compare.published]
     return [
-        published_check(v, e, [m[v.quantity] for (of, _), m in macro.items() if of == e], rerun(e))
+        published_check(v, e, [m.get(v.quantity, np.nan) for (of, _), m in macro.items() if of == e], rerun(e))
         for v in values for e in engines
     ]
 

@@ -14,6 +14,9 @@ from postproc.results import Averages, Result, Unavailable, Value
 from postproc.snapshot import Snapshot
 from postproc.trajectory import Trajectory
 
+ENERGY = "kinetic over elastic energy"
+"""How far from rest: about the square of how far forces are out of balance."""
+
 XX, XZ, ZX, ZZ = (0, 0), (0, 1), (1, 0), (1, 1)
 SHOWN: dict[str, tuple[str, str, tuple[int, ...]]] = {
     "volume fraction": ("box", "volume_fraction", ()),
@@ -34,13 +37,13 @@ SHOWN: dict[str, tuple[str, str, tuple[int, ...]]] = {
     "rotational energy": ("box", "rotational_energy", ()),
     "elastic energy, normal": ("box", "normal_elastic_energy", ()),
     "elastic energy, tangential": ("box", "tangential_elastic_energy", ()),
-    "kinetic over elastic energy": ("box", "kinetic_over_elastic_energy", ()),
+    ENERGY: ("box", "kinetic_over_elastic_energy", ()),
     "largest residual force": ("box", "unbalanced_force", ()),
 }
 """Quantity: the cells it is averaged over ("inner" is the box without a border layer), the
 post-processor's name for it, and the component of a tensor."""
 
-OF_THE_OVERLAP = ("elastic energy, normal", "kinetic over elastic energy")
+OF_THE_OVERLAP = ("elastic energy, normal", ENERGY)
 """Quantities that follow from the overlap for a linear spring only."""
 
 

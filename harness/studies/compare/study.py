@@ -84,7 +84,7 @@ def compare(
 
     scene = load_scene(scene_file)
     starts = prepare(scene, scene_file, packings=packings, cache=out / "packings", progress=progress)
-    engines = _distinct(engines, scene)
+    engines = distinct_engines(engines, scene)
     plan = [(s.number, e) for s in starts for e in engines]
     jobs = [(_label(e.name, number, len(starts)), e, starts[number].system) for number, e in plan]
     done = run_many(
@@ -99,7 +99,7 @@ def compare(
     )
 
 
-def _distinct(engines: tuple[Engine, ...], scene: Scene) -> tuple[Engine, ...]:
+def distinct_engines(engines: tuple[Engine, ...], scene: Scene) -> tuple[Engine, ...]:
     """Without tangential laws all conventions of the kernel are one: run it once, as `kernel:talk`."""
     from harness.engines.registry import ENGINES, KERNEL_PREFIX
 

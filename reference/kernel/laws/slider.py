@@ -22,6 +22,7 @@ only when its test force is below mu_d f (states static -> dynamic -> static). `
 In the `talk` the spring that sliding leaves behind carries just mu_d f, so that the words "below mu_d f" would
 leave it to round-off whether a steady slide goes on; here the test force of a sliding contact is that of the
 spring as the coming step would stretch it. Without a dynamic coefficient nothing hangs on it and nothing is changed.
+A contact whose limit is 0 slides whatever its test force, which is then 0 up to round-off: nothing holds it.
 """
 
 from __future__ import annotations
@@ -148,7 +149,8 @@ def _talk(s: Slider, c: _State, advance: bool):
     if c.slid is not None:
         coming = norm(_test_force(s, xi + c.stretch, c.rate))
         slides = np.where(c.slid, (coming > c.limit) & (size > 0.0), slides)
-    force = test * _ratio(c.carried, size, slides)
+    slides |= c.limit == 0.0
+    force = test * _ratio(c.carried, size, slides & (size > 0.0))
     return force, np.where(slides, _spring_of(s, force, c.rate), xi + c.stretch), slides
 
 

@@ -29,8 +29,14 @@ class Components(Protocol):
     def size(self, p: Program, v: np.ndarray, out: np.ndarray) -> None:
         """out = |v|, (P,)."""
 
-    def cut(self, p: Program, v: np.ndarray, limit: np.ndarray, out: np.ndarray, stuck: np.ndarray | None) -> None:
-        """out = v, of size `limit` where it is longer; stuck = 1 where it is not, else 0. `limit` is used up."""
+    def cut(
+        self, p: Program, v: np.ndarray, limit: np.ndarray, out: np.ndarray, *, stuck: np.ndarray | None = None,
+        slides_at_zero: bool = False,
+    ) -> None:
+        """out = v, of size `limit` where it is longer. `limit` is used up.
+
+        stuck = 1 where it is not longer, else 0; v and out are then two buffers. slides_at_zero: nor where limit = 0.
+        """
 
     def turn(self, p: Program, v: np.ndarray, *, keep_length: bool, above: tuple[np.ndarray, float] | None) -> None:
         """Turn v at right angles to the normal of now.
@@ -54,12 +60,19 @@ class Numbers:
         """out = |v|."""
         p(np.abs, v, out=out)
 
-    def cut(self, p: Program, v: np.ndarray, limit: np.ndarray, out: np.ndarray, stuck: np.ndarray | None) -> None:
-        """out = v between -limit and limit; with `stuck`, v and out are two buffers."""
+    def cut(
+        self, p: Program, v: np.ndarray, limit: np.ndarray, out: np.ndarray, *, stuck: np.ndarray | None = None,
+        slides_at_zero: bool = False,
+    ) -> None:
+        """out = v between -limit and limit."""
+        if slides_at_zero:
+            p(np.abs, v, out=stuck)
+            p(np.maximum, stuck, TINY, out=stuck)
+            p(np.less_equal, stuck, limit, out=stuck)
         p(np.minimum, v, limit, out=out)
         p(np.negative, limit, out=limit)
         p(np.maximum, out, limit, out=out)
-        if stuck is not None:
+        if stuck is not None and not slides_at_zero:
             p(np.equal, v, out, out=stuck)
 
     def turn(self, p: Program, v: np.ndarray, *, keep_length: bool, above: tuple[np.ndarray, float] | None) -> None:

@@ -1,7 +1,7 @@
 """From a model to its program: one step of the leapfrog, effect by effect.
 
     v(n+1/2) = v(n-1/2) + dt f(n)/m      the kick; both half kicks of velocity Verlet at once
-    x(n+1) = x(n) + dt v(n+1/2)          the drift; then the walls
+    x(n+1) = x(n) + dt v(n+1/2)          the drift; then walls and rings
     f(n+1) = f(x(n+1), v(n+1/2))         contacts, law by law; drag; weight
 
 The full-step velocity v(n) = v(n-1/2) + dt/2 f(n)/m is needed for output only and made there.
@@ -31,11 +31,12 @@ from reference.kernel.program.plane import rotation as plane_rotation
 from reference.kernel.program.plane.contacts import PlaneContacts
 from reference.kernel.program.plane.nodes import PlaneNodes
 from reference.kernel.program.program import Program
+from reference.kernel.program.rings import TurningRings
 from reference.kernel.program.space import geometry as space_geometry
 from reference.kernel.program.space import rotation as space_rotation
 from reference.kernel.program.space.contacts import SpaceContacts
 from reference.kernel.program.space.nodes import SpaceNodes
-from reference.kernel.program.walls import MovingWalls
+from reference.kernel.walls import MovingWalls
 
 CORRECTED = {LinearNormal, HertzNormal}
 """Normal laws whose elastic force is one of the overlap alone, as the corrections ask."""
@@ -83,14 +84,14 @@ def _find_normals(model: Model, nodes: Nodes, c: Contacts) -> None:
     p.run()
 
 
-def one_step(model: Model, nodes: Nodes, walls: MovingWalls, pairs: PairList) -> Program:
-    """Kick, drift, walls, forces: the program of a step for this list of pairs."""
+def one_step(model: Model, nodes: Nodes, walls: MovingWalls, rings: TurningRings, pairs: PairList) -> Program:
+    """Kick, drift, walls, rings, forces: the program of a step for this list of pairs."""
     p = Program()
     if model.convention.scheme == "corrected":
-        _corrected_step(p, model, nodes, walls, pairs)
+        _corrected_step(p, model, nodes, walls, rings, pairs)
         return p
     _kick(p, nodes)
-    _move(p, nodes, walls)
+    _move(p, nodes, walls, rings)
     _forces(p, model, nodes, pairs)
     if any(isinstance(w.motion, Loaded) for w in model.walls):
         p.effect("loaded walls")
@@ -98,22 +99,25 @@ def one_step(model: Model, nodes: Nodes, walls: MovingWalls, pairs: PairList) ->
     return p
 
 
-def _corrected_step(p: Program, model: Model, nodes: Nodes, walls: MovingWalls, pairs: PairList) -> None:
+def _corrected_step(
+    p: Program, model: Model, nodes: Nodes, walls: MovingWalls, rings: TurningRings, pairs: PairList
+) -> None:
     (c,) = pairs.blocks
     _find_normals(model, nodes, c)
     scheme = Corrections(model, nodes, walls, c)
     scheme.kick(p)
-    _move(p, nodes, walls)
+    _move(p, nodes, walls, rings)
     scheme.predict(p)
     _forces(p, model, nodes, pairs, scheme)
     scheme.replace_kick(p)
 
 
-def _move(p: Program, nodes: Nodes, walls: MovingWalls) -> None:
+def _move(p: Program, nodes: Nodes, walls: MovingWalls, rings: TurningRings) -> None:
     _drift(p, nodes)
     if walls.moving:
         p.effect("driven walls")
         p.call("walls", walls.move)
+    rings.turn(p)
 
 
 def _forces(p: Program, model: Model, nodes: Nodes, pairs: PairList, scheme: Corrections | None = None) -> None:

@@ -14,6 +14,7 @@ from reference.kernel.state import State
 
 if TYPE_CHECKING:
     from reference.kernel.program.pairs import PairList
+    from reference.kernel.program.plane.vectors import PlaneVectors
 
 
 class Contacts:
@@ -40,6 +41,10 @@ class Contacts:
     """Mean of v_t over the step, in schemes that know it."""
     rolling: np.ndarray
     shear: np.ndarray
+    pull: np.ndarray | None = None
+    """Minus the force on i along the normal by springs that lag in 2D, (P,)."""
+    lagging_vectors: PlaneVectors | None = None
+    """What such springs have as components; None in 3D, where all springs are vectors."""
 
     def __init__(
         self, model: Model, state: State, pairs: PairList, part: slice, i: np.ndarray, j: np.ndarray,
@@ -90,9 +95,11 @@ class Contacts:
 
     @cached_property
     def reduced_mass(self) -> np.ndarray:
-        """m*, likewise, (P,)."""
-        wall = self.j >= len(self._mass)
-        return self._reduced(self._mass[self.i], np.where(wall, 0.0, self._mass[np.where(wall, 0, self.j)]))
+        """m*, likewise, and m_i at a glued disc, (P,)."""
+        of_i, heavy = self._mass[self.i], self.j >= len(self._mass)
+        reduced = self._reduced(of_i, self._mass[np.where(heavy, 0, self.j)])
+        reduced[heavy] = of_i[heavy]
+        return reduced
 
     @property
     def rough(self) -> np.ndarray:

@@ -17,15 +17,15 @@ import numpy as np
 from reference.kernel.corrected import missed_force, share_in_contact
 from reference.kernel.interactions import Forces
 from reference.kernel.laws.contact import Touching
-from reference.kernel.model import Constant, Loaded, Model
+from reference.kernel.model import Model
 from reference.kernel.neighbours import branch_vectors
 from reference.kernel.program.buffers import empty
 from reference.kernel.program.contacts import Contacts
 from reference.kernel.program.memory import amounts_of
 from reference.kernel.program.nodes import Nodes
 from reference.kernel.program.program import Program
-from reference.kernel.program.walls import MovingWalls
 from reference.kernel.vectors import dot, norm, torque_cross
+from reference.kernel.walls import MovingWalls
 
 
 def history_rows(model: Model) -> dict[str, int]:
@@ -98,7 +98,7 @@ class Corrections:
         p.effect("second order")
         p(np.add, self.nodes.velocity_vector, self.half_kick, out=self.nodes.velocity_vector)
         if self.walls.moving:
-            p.call("walls", self._predict_walls)
+            p.call("walls", self.walls.predict)
 
     def find_events(self, p: Program) -> None:
         """mean_v_t = (slip before + v_t)/2; then what begins or ends."""
@@ -119,24 +119,10 @@ class Corrections:
         p(np.subtract, self.new_kick, self.half_kick, out=self.new_kick)
         p(np.add, self.nodes.velocity_vector, self.new_kick, out=self.nodes.velocity_vector)
         if self.walls.loaded:
-            p.call("walls", self._kick_walls)
+            p.call("walls", self.walls.replace_kick)
         p.call("impulses", self._apply)
 
     # --- in a step -------------------------------------------------------------------------------
-
-    def _predict_walls(self) -> None:
-        for wall in self.walls.moving:
-            motion, k = self.model.walls[wall.number].motion, wall.number
-            if isinstance(motion, Loaded):
-                wall.rate += 0.5 * self.model.dt * wall.acceleration
-            if not isinstance(motion, Constant):
-                self.nodes.shift_wall(k, self.walls.here[:, k], wall.rate * self.walls.normal[:, k])
-
-    def _kick_walls(self) -> None:
-        for wall in self.walls.loaded:
-            old = wall.acceleration
-            wall.acceleration = self.walls.acceleration(wall)
-            wall.rate += 0.5 * self.model.dt * (wall.acceleration - old)
 
     def _find(self) -> None:
         c = self.c
@@ -176,7 +162,7 @@ class Corrections:
     def _events(self, rows, n, theta, f_t, *, touched: np.ndarray, overlap: np.ndarray) -> _Events:
         """`touched`: overlap at the end of the step at which they touch; `overlap`: that of now, of either sign."""
         c, law = self.c, self.model.normal
-        elastic, _ = law.elastic(self._touching(c.i[rows], c.j[rows], n, touched), None)
+        elastic, _ = law.elastic(self._touching(rows, n, touched), None)
         return _Events(i=c.i[rows], j=c.j[rows], n=n, overlap=overlap, theta=theta, elastic=elastic,
                        f_n=c.f_n[rows].copy(), f_t=f_t)
 
@@ -184,7 +170,7 @@ class Corrections:
         """Return overlaps, negative for gaps, (K,), and normals, (dim, K), at the places x."""
         c, n = self.c, self.model.particle_count
         i, j = c.i[rows], c.j[rows]
-        branch, wall = branch_vectors(self.model, x, i, j), np.flatnonzero(j >= n)
+        branch, wall = branch_vectors(self.model, x, i, j), np.flatnonzero((j >= n) & (j < self.model.wall_nodes.stop))
         normal = self.walls.normal[:, j[wall] - n]
         branch[:, wall] = dot(x[:, i[wall]] - x[:, j[wall]], normal) * normal
         distance = norm(branch)
@@ -202,16 +188,10 @@ class Corrections:
                 arm = model.radius[node[on]] - 0.5 * e.overlap[on]
                 self.nodes.spin_up(node[on], -arm * moment[:, on] / model.inertia[node[on]])
         for k in np.flatnonzero(~body):
-            self._push_wall(e.j[k] - n, -impulse[:, k])
+            self.walls.push(e.j[k] - n, -impulse[:, k])
 
-    def _push_wall(self, number: int, impulse: np.ndarray) -> None:
-        for wall in self.walls.loaded:
-            if wall.number == number:
-                wall.rate += float(impulse @ self.walls.normal[:, number]) / self.model.walls[number].motion.mass
-
-    def _touching(self, i: np.ndarray, j: np.ndarray, n: np.ndarray, overlap: np.ndarray) -> Touching:
+    def _touching(self, rows: np.ndarray, n: np.ndarray, overlap: np.ndarray) -> Touching:
         """What the elastic force asks for."""
-        count = self.model.particle_count
-        of_i, of_j = self.model.radius[i], self.model.radius[np.where(j < count, j, 0)]
-        reduced = np.where(j < count, of_i * of_j / (of_i + of_j), of_i)
-        return Touching(i=i, j=j, n=n, overlap=overlap, v_n=np.zeros_like(overlap), reduced_radius=reduced)
+        c = self.c
+        return Touching(i=c.i[rows], j=c.j[rows], n=n, overlap=overlap, v_n=np.zeros_like(overlap),
+                        reduced_radius=c.reduced_radius[rows])

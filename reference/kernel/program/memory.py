@@ -1,7 +1,7 @@
 """What contacts remember, as the program keeps it and as the textbook does.
 
 The program keeps forces where the textbook keeps lengths, if a constant stiffness is all that is between them, and in
-2D one signed number along t = i n for a vector in the tangent plane.
+2D one signed number along t = i n for a vector in the tangent plane, unless springs may lag behind their contact.
 """
 
 from __future__ import annotations
@@ -28,28 +28,28 @@ def amounts_of(n: np.ndarray, vectors: np.ndarray) -> np.ndarray:
 class Memory:
     """One law's. rows, textbook_rows: how many numbers a contact has here and there; a state may follow the spring.
 
-    spring_rows: how many of textbook_rows are the spring. unit: history is that many times the spring. vectors:
-    whether springs are vectors, in 2D therefore in the tangent plane.
+    spring_rows: how many of textbook_rows are the spring. unit: history is that many times the spring. flat: whether
+    springs are vectors in the tangent plane in 2D, and numbers here.
     """
 
     rows: int
     textbook_rows: int
     spring_rows: int
     unit: float
-    vectors: bool
+    flat: bool
 
     def to_textbook(self, n: np.ndarray, history: np.ndarray) -> np.ndarray:
         """Return (textbook_rows, M) from the history, (rows, M), of pairs with the normals n, (dim, M)."""
         state = self.textbook_rows - self.spring_rows
         springs = history[: self.rows - state] / self.unit
-        if self.vectors:
+        if self.flat:
             springs = vectors_of(n, springs)
         return np.vstack([springs, history[self.rows - state :]])
 
     def from_textbook(self, n: np.ndarray, remembered: np.ndarray) -> np.ndarray:
         """Return the history, (rows, M), of pairs with the normals n, (dim, M), from what the textbook remembers."""
         springs = remembered[: self.spring_rows] * self.unit
-        if self.vectors:
+        if self.flat:
             springs = amounts_of(n, springs)
         return np.vstack([springs, remembered[self.spring_rows :]])
 
@@ -57,13 +57,15 @@ class Memory:
 def memories(model: Model) -> dict[str, Memory]:
     """Return the memory of every law that has one, by family."""
     dim, normal = model.dimension, model.normal
-    made = {"normal": _memory(normal.memory_rows(dim), dim, unit=NORMAL[type(normal)].unit(normal), vectors=False)}
+    made = {"normal": _memory(normal.memory_rows(dim), dim, unit=NORMAL[type(normal)].unit(normal))}
     for family, (law, operations) in tangential_laws(model).items():
         rows = law.memory_rows(dim)
-        made[family] = _memory(rows, dim, unit=operations.unit(law), vectors=rows >= dim)
+        made[family] = _memory(rows, dim, unit=operations.unit(law), whole=operations.lags(law))
     return {family: memory for family, memory in made.items() if memory.rows}
 
 
-def _memory(rows: int, dim: int, *, unit: float, vectors: bool) -> Memory:
-    return Memory(rows=rows - 1 if vectors and dim == 2 else rows, textbook_rows=rows,
-                  spring_rows=dim if vectors else rows, unit=unit, vectors=vectors)
+def _memory(rows: int, dim: int, *, unit: float, whole: bool = False) -> Memory:
+    """Whole: vectors stay vectors in 2D."""
+    vectors = rows >= dim
+    flat = vectors and dim == 2 and not whole
+    return Memory(rows=rows - flat, textbook_rows=rows, spring_rows=dim if vectors else rows, unit=unit, flat=flat)

@@ -4,10 +4,11 @@
     velocity_vector                [velocities | s],   s = R omega or omega
     force_vector                   [forces | m],       m = torque
     work                           as long, free for work within a few operations
-    kick_factor, drift_factor      dt/m, dt/I times the spin unit; dt: with the signs of the layout, 0 for walls
+    kick_factor, drift_factor      dt/m, dt/I times the spin unit; dt: with the signs of the layout; both are 0 but for
+                                   particles
 
-Particles are nodes 0..N-1, walls N..N+W-1. How the vectors are laid out is the dimension's own matter
-(`plane.nodes`, `space.nodes`).
+Particles are nodes 0..N-1, walls N..N+W-1, the discs of rings follow. How the vectors are laid out is the dimension's
+own matter (`plane.nodes`, `space.nodes`).
 """
 
 from __future__ import annotations

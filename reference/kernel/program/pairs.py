@@ -1,7 +1,8 @@
 """The list of pairs that may touch, what they remember, and the blocks in which a step evaluates them.
 
-Particle pairs come first, sorted by (i, j); then the pairs with walls, wall by wall, so that what only concerns one
-wall is a slice. History follows the pairs through a renewal of the list by their keys.
+Pairs of particles, with each other and with glued discs, come first, sorted by (i, j); then the pairs with walls, wall
+by wall, so that what only concerns one wall is a slice. History follows the pairs through a renewal of the list by
+their keys.
 
 A step evaluates one block of pairs after the other in the same buffers, which stay in the cache. Sums to the nodes do
 not depend on where blocks end: every node is first a j, then an i, in the order of the list.
@@ -14,7 +15,7 @@ import math
 import numpy as np
 
 from reference.kernel.model import Model, Wall
-from reference.kernel.neighbours import branch_vectors, pairs_within, wall_pairs_within
+from reference.kernel.neighbours import branch_vectors, pairs_within, ring_pairs_within, wall_pairs_within
 from reference.kernel.program.buffers import LINE, Workspace, filled
 from reference.kernel.program.contacts import Contacts, axis_across
 from reference.kernel.state import State
@@ -37,7 +38,7 @@ class PairList:
         history: dict[str, int], kind: type[Contacts], block: int | None = BLOCK,
     ):
         """x: (dim, n) places of the nodes; `state` gives radii and wall normals. block None: all pairs in one."""
-        i, j, self.wall_slices = _find(model, x, state.wall_normal, skin)
+        i, j, self.wall_slices = _find(model, x, state, skin)
         self.count = len(i)
         first = min((s.start for s in self.wall_slices.values()), default=self.count)
         self.at_walls = i[first:].copy(), j[first:].copy()
@@ -80,7 +81,7 @@ def normals(model: Model, state: State, i: np.ndarray, j: np.ndarray) -> np.ndar
     """Return the unit normals from j to i of pairs at the places of a state, (dim, M)."""
     n = branch_vectors(model, state.x, i, j)
     n /= norm(n)
-    wall = j >= model.particle_count
+    wall = (j >= model.particle_count) & (j < model.wall_nodes.stop)
     n[:, wall] = state.wall_normal[:, j[wall] - model.particle_count]
     return n
 
@@ -97,12 +98,14 @@ def _rough_first_then_by_axis(wall: Wall) -> tuple[bool, int]:
     return not wall.friction, axis_across(wall.normal)
 
 
-def _find(model: Model, x: np.ndarray, wall_normal: np.ndarray, skin: float):
+def _find(model: Model, x: np.ndarray, state: State, skin: float):
     i, j = pairs_within(model, x[:, : model.particle_count], skin)
+    if model.rings:
+        i, j = np.hstack([(i, j), ring_pairs_within(model, x, state.radius, skin)])
     order = np.lexsort((j, i))
     all_i, all_j, slices, start = [i[order]], [j[order]], {}, len(i)
     for k in sorted(range(len(model.walls)), key=lambda k: _rough_first_then_by_axis(model.walls[k])):
-        particle, wall = wall_pairs_within(model, x, wall_normal, (k,), skin)
+        particle, wall = wall_pairs_within(model, x, state.wall_normal, (k,), skin)
         if len(particle):
             order = np.argsort(particle)
             all_i.append(particle[order])

@@ -20,10 +20,11 @@ from reference.kernel.program.corrected import history_rows, take_last_forces
 from reference.kernel.program.memory import memories
 from reference.kernel.program.nodes import Nodes
 from reference.kernel.program.pairs import BLOCK, PairList, normals
-from reference.kernel.program.walls import MovingWalls
+from reference.kernel.program.rings import TurningRings
 from reference.kernel.simulation import KernelUnstable, Simulation
 from reference.kernel.state import State
 from reference.kernel.vectors import dot
+from reference.kernel.walls import MovingWalls
 
 CHECK_EVERY = 8
 """Fewest steps between two looks at the list."""
@@ -55,6 +56,7 @@ class ProgramSimulation:
         self.nodes: Nodes = self._dimension.nodes(model, state, spin_unit=spin_unit(model, state.radius))
         self.walls = MovingWalls(model, self.nodes, state)
         self.walls.start()
+        self.rings = TurningRings(model, self.nodes)
         if model.convention.scheme == "leapfrog":
             self.nodes.step_back()
         self._in_step = True
@@ -111,6 +113,7 @@ class ProgramSimulation:
             self._renew(self.skin)
         kept, start, skin = self._snapshot(), self.walls.step, self.skin
         while True:
+            self.rings.step = start
             self._program.run(steps)
             self.walls.step = start + steps
             moved = self._largest_move()
@@ -146,7 +149,7 @@ class ProgramSimulation:
             self._take_memories()
         else:
             self._pairs.inherit(old, self.nodes.count)
-        self._program = one_step(self.model, self.nodes, self.walls, self._pairs)
+        self._program = one_step(self.model, self.nodes, self.walls, self.rings, self._pairs)
         self._built_at, self._built_in_step = self.nodes.place_vector.copy(), self.walls.step
         self._list_skin, self._moved, self._interval, self._renewal_is_due = skin, 0.0, CHECK_EVERY, False
         self.rebuilds += 1
@@ -188,13 +191,12 @@ class ProgramSimulation:
         """Bring the textbook simulation to the state of now, for everything that only looks."""
         if self._in_step:
             return
-        state, n = self._textbook.state, self.model.particle_count
+        state = self._textbook.state
         half = self.nodes.half_step_velocities()
         self.nodes.write(state)
         state.step = self.walls.step
-        state.wall_force = state.force[:, n:].copy()
-        for wall in self.walls.moving:
-            state.wall_d[wall.number], state.wall_rate[wall.number] = wall.d, wall.rate
+        state.wall_force = state.force[:, self.model.wall_nodes].copy()
+        self.walls.write(state)
         for interaction in self._textbook.interactions:
             rows = self._hand_pairs_to(interaction)
             forces = interaction.evaluate(state, *half, self.model.dt, advance=False)
@@ -241,9 +243,8 @@ class ProgramSimulation:
 
     def _pairs_of(self, interaction: Interaction) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return i, j of an interaction's pairs, in the order of its keys, and where they are in the program's list."""
-        i, j, n = self._pairs.i, self._pairs.j, self.model.particle_count
-        mine = j < n if interaction.walls is None else np.isin(j - n, interaction.walls)
-        rows = np.flatnonzero(mine)
+        i, j = self._pairs.i, self._pairs.j
+        rows = np.flatnonzero(interaction.owns(j))
         rows = rows[np.lexsort((j[rows], i[rows]))]
         return i[rows], j[rows], rows
 

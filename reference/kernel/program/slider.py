@@ -10,12 +10,12 @@ Where a spring turns it does so first; its length is kept, but not in LIGGGHTS::
 
 cut() shortens to mu f what is longer. With a dynamic coefficient it gives mu_d f to what slides: to what is longer than
 mu f or, in a contact that slid before (1 in the last row of the memory), than mu_d f. There the `talk` holds
-T + gamma v + k dt v against mu_d f. Where nothing touches f = v = 0, so that T becomes 0: what opens forgets.
+T + gamma v + k dt v against mu_d f. In the `talk` everything slides where the limit is 0. Where nothing touches f = v = 0, so that T becomes 0: what opens forgets.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,6 +26,20 @@ from reference.kernel.program.program import Program
 
 Coefficient = float | np.ndarray
 """One for all contacts, or (P,), computed in every step."""
+
+LAGGING = 1.0
+"""Coefficient of friction above which springs of `lammps` in 2D are vectors that may lag behind their contact.
+
+LAMMPS turns a spring only when its part along the normal exceeds 1e-10 mu f. Springs that are turned in every step are
+numbers in 2D; they lack that part, which is then at most 1e-10 mu f of force along the normal, for as long as the
+spring is not turned. Up to this coefficient it is at most 1e-10 of f, about what f has from the rounding of positions
+(eps x/delta, with x/delta from 1e5 to 1e6 in packings), and nothing of it is left once the spring is turned.
+"""
+
+
+def lags(algorithm: str, friction: float, *, turns: bool = True) -> bool:
+    """Return whether springs that are not turned at once make a difference."""
+    return turns and algorithm == "lammps" and friction > LAGGING
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,6 +65,23 @@ def slide(
 ) -> None:
     """out = F, (P,) or (3, P) as the rate."""
     _Slider(p, c, kind, spring, rate, out).run()
+
+
+def slide_across(
+    p: Program, c: Contacts, spring: Spring, *, rate: np.ndarray, out: np.ndarray, pulls: bool
+) -> np.ndarray | None:
+    """`slide` in the tangent plane; with `pulls` return F.n where springs lag in 2D, (P,), else None."""
+    vectors = c.lagging_vectors
+    if vectors is None or not lags(spring.algorithm, spring.friction, turns=spring.turns):
+        slide(p, c, c.tangents, spring, rate=rate, out=out)
+        return None
+    vectors.find_normals(p)
+    rate = vectors.along_tangent(p, rate, "rate")
+    mean = None if spring.mean_rate is None else vectors.along_tangent(p, spring.mean_rate, "mean rate")
+    force = vectors.buffer("spring force")
+    slide(p, c, vectors, replace(spring, mean_rate=mean), rate=rate, out=force)
+    vectors.find_amounts(p, force, out)
+    return vectors.find_part_along_normal(p, force) if pulls else None
 
 
 class _Slider:
@@ -117,7 +148,7 @@ class _Slider:
             p(np.add, tension, work, out=test)
         else:
             test = tension
-        self.cut(test, self.out, stuck=stuck, coming=True)
+        self.cut(test, self.out, stuck=stuck, talks=True)
         if damped:
             p(np.subtract, self.out, work, out=tension)
         else:
@@ -174,15 +205,15 @@ class _Slider:
         p(np.multiply, self.rate, self.spring.damping, out=self.kind.work)
         p(np.subtract, self.out, self.kind.work, out=self.tension)
 
-    def cut(self, test: np.ndarray, out: np.ndarray, *, stuck: np.ndarray | None = None, coming: bool = False) -> None:
-        """out = cut(test); stuck = 1 where nothing was cut, else 0. coming: contacts that slid test what comes."""
+    def cut(self, test: np.ndarray, out: np.ndarray, *, stuck: np.ndarray | None = None, talks: bool = False) -> None:
+        """out = cut(test); stuck = 1 where nothing was cut, else 0. talks: by the rules of the `talk`."""
         if self.spring.dynamic_friction is None:
-            self.kind.cut(self.p, test, self.limit, out, stuck)
+            self.kind.cut(self.p, test, self.limit, out, stuck=stuck, slides_at_zero=talks)
             return
         p, size, stuck = self.p, self.c.buffer("size"), self.c.buffer("stuck")
         slides = self.c.buffer("slides") if self.slid is None else self.slid
         self.kind.size(p, test, size)
-        if coming and self.slid is not None:
+        if talks and self.slid is not None:
             self._find_sliding_in_talk(test, size)
         else:
             p(np.greater, size, self.limit, out=slides)
@@ -197,15 +228,17 @@ class _Slider:
             p(np.multiply, self.slid, self.c.touching, out=self.slid)
 
     def _find_sliding_in_talk(self, test: np.ndarray, size: np.ndarray) -> None:
-        """Slides = |test + slid k dt v| > limit and |test| > 0."""
-        p, work, slid, moving = self.p, self.out, self.slid, self.c.a
+        """Slides = |test + slid k dt v| > limit and |test| > 0, or limit = 0."""
+        p, work, slid, other = self.p, self.out, self.slid, self.c.a
         p(np.multiply, self.rate, self.spring.growth, out=work)
         p(np.multiply, work, slid, out=work)
         p(np.add, work, test, out=work)
         self.kind.size(p, work, slid)
         p(np.greater, slid, self.limit, out=slid)
-        p(np.greater, size, 0.0, out=moving)
-        p(np.multiply, slid, moving, out=slid)
+        p(np.greater, size, 0.0, out=other)
+        p(np.multiply, slid, other, out=slid)
+        p(np.equal, self.limit, 0.0, out=other)
+        p(np.maximum, slid, other, out=slid)
 
 
 _ALGORITHMS = {

@@ -9,15 +9,17 @@ from postproc.geometry import particle_volumes
 from postproc.snapshot import MissingColumn
 
 
-@pytest.fixture(params=CELLS)
+@pytest.fixture(params=[(kind, dim) for kind in CELLS for dim in (2, 3)], ids=str)
 def cells(request, states):
-    return make_cells(request.param, states.random_contacts(5, 3, count=150))
+    kind, dim = request.param
+    return make_cells(states.words(kind, dim), states.random_contacts(5, dim, count=150))
 
 
 def test_every_kind_keeps_the_promises(cells):
     """Shapes, linearity, and the three averages' relations to each other."""
     n, k = cells.snapshot.particles.rows, len(cells.labels)
     q = np.random.default_rng(0).normal(size=(n, 3, 3))
+    dim = cells.snapshot.dimension
     ones = np.ones(n)
     assert cells.volumes.shape == (k,)
     assert (cells.volumes > 0).all()
@@ -28,6 +30,10 @@ def test_every_kind_keeps_the_promises(cells):
     assert (cells.total(ones) >= 0).all()
     assert (cells.total(ones).sum() <= n).all()
     assert cells.largest(q[:, 0, 0]).shape == (k,)
+    assert cells.gradient(q[:, 0, 0]).shape == (k, dim)
+    assert cells.gradient(q[:, 0, :dim], ones).shape == (k, dim, dim)
+    assert all(values.shape == (k,) for values in cells.coordinates.values())
+    assert set(cells.coordinates) or len(cells.labels) <= 2
 
 
 def test_box_and_particles_count_every_particle_once(states):
@@ -89,7 +95,7 @@ def test_an_empty_cell_has_density_zero_and_no_mean(states):
 
 
 @pytest.mark.parametrize(("kind", "margin", "message"), [
-    ("spheres", None, "expected one of box, inner, particles, got 'spheres'"),
+    ("spheres", None, "expected one of box, inner, particles, rings, strips, grid, halfplane, points, got 'spheres'"),
     ("box", 0.1, "margin: expected none for cells of kind 'box', got 0.1"),
 ])
 def test_wrong_settings_are_named(states, kind, margin, message):

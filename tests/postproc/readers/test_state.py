@@ -6,6 +6,8 @@ import h5py
 import numpy as np
 import pytest
 
+from postproc.average import average
+from postproc.geometry import ring_walls
 from postproc.readers.state import column_names, read_state, write_state
 from postproc.trajectory import ReadError, Trajectory, write_trajectory
 
@@ -83,6 +85,11 @@ def _particles(**changes):
     return {"particles": {"id": [1, 2, 3], "x": [0, 1, 2], "y": [0, 0, 0], "radius": [1, 1, 1]} | changes}
 
 
+def _wall(**changes):
+    plain = {"id": [1], "px": [0], "py": [0], "nx": [1], "ny": [0], "fx": [0], "fy": [0]}
+    return {**_particles(), "walls": plain | changes}
+
+
 def _contacts(**changes):
     plain = {"i": [1, 2], "j": [2, -1], "px": [0, 0], "py": [0, 0], "fx": [0, 0], "fy": [0, 0]}
     walls = {"id": [1], "px": [0], "py": [0], "nx": [1], "ny": [0], "fx": [0], "fy": [0]}
@@ -114,6 +121,17 @@ DAMAGES = {
     "unknown wall": (_contacts(j=[2, -2]), "contacts.j: row 2: expected - the id of a wall, got -2"),
     "itself": (_contacts(j=[1, -1]), "contacts: row 1: expected two different particles, got 1"),
     "twice": (_contacts(j=[2, 1]), "contacts: row 2: expected every pair of particles once, got 2 and 1 again"),
+    "point on a centre": (
+        _contacts(px=[0, 0], py=[0, 0]), "contacts.p: row 1: expected a point beside the centre of particle i, got 1",
+    ),
+    "huge": (_particles(radius=[1, 1e150, 1]), "particles.radius: row 2: expected less than 1e+30, got "),
+    "beyond all numbers": (_particles(x=[0, 10**400, 1]), "particles.x: expected a list of numbers, got object"),
+    "zero normal": (_wall(nx=[0]), "walls.n: row 1: expected a normal of length 1, got 0"),
+    "neither flat nor ring": (
+        _wall(nx=[None], radius=[None]), "walls: row 1: expected either a normal or a radius in every row, got 0",
+    ),
+    "flat and ring": (_wall(radius=[1.0]), "walls: row 1: expected either a normal or a radius in every row, got 2"),
+    "ring without size": (_wall(nx=[None], radius=[0.0]), "walls.radius: row 1: expected a number > 0, got 0"),
     "dimension": ({**_particles(), "attributes": {"dimension": 4}}, "attributes.dimension: expected 2 or 3, got 4"),
     "no z": ({**_particles(), "attributes": {"dimension": 3}}, "particles: expected a column z, got only"),
     "thickness": (
@@ -142,6 +160,41 @@ DAMAGES = {
         "attributes.periodic: expected one boolean an axis, got [1, 0]",
     ),
 }
+
+
+def test_normals_are_brought_to_length_one_and_no_wall_is_passed_over(tmp_path):
+    """Normals in any length, or in four decimals; a wall that is askew has no stress of 0 but none."""
+    def write(**walls):
+        table = {"id": [1, 2, 3, 4], "px": [0, 2, 0, 0], "py": [0, 0, 0, 1], "fx": [-3, 3, 0, 0], "fy": [0, 0, -5, 5],
+                 "nx": [1, -1, 0, 0], "ny": [0, 0, 1, -1], **walls}
+        data = {"particles": {"id": [1], "x": [0.5], "y": [0.5], "radius": [0.2]}, "walls": table,
+                "attributes": {"box": [[0, 2], [0, 1]]}}
+        (tmp_path / "s.json").write_text(json.dumps(data))
+        return average(read_state(tmp_path / "s.json")).of_state["stress_from_walls"]
+
+    expected = [[[3.0, 0.0], [0.0, 2.5]]]
+    np.testing.assert_allclose(write().values, expected)
+    np.testing.assert_allclose(write(nx=[2, -0.5, 0, 0], ny=[0, 0, 0.999, -1e-3]).values, expected)
+    assert write(nx=[0.6, -1, 0, 0], ny=[0.8, 0, 1, -1]).reason == "wall 1 is not normal to an axis"
+    assert write(nx=[1, 1, 0, 0]).reason == "there is no wall at the upper end of x"
+
+
+def test_files_of_excel_begin_with_a_mark(tmp_path):
+    text = "id,x,y,radius\n1,0,0,0.5\n"
+    (tmp_path / "s.particles.csv").write_text(text, encoding="utf-8-sig")
+    (tmp_path / "s.attributes.json").write_text('{"time": 2.0}', encoding="utf-8-sig")
+    state = read_state(tmp_path / "s")
+    assert list(state.particles) == ["id", "x", "y", "radius"]
+    assert state.time == 2.0
+
+
+def test_flat_walls_and_rings_in_one_table(tmp_path):
+    walls = {"id": [1, 2], "px": [0, 0], "py": [0, 0], "fx": [0, 0], "fy": [0, 0], "nx": [1, None], "ny": [0, None],
+             "radius": [None, 0.5], "torque": [None, 2.0]}
+    (tmp_path / "s.json").write_text(json.dumps({**_particles(), "walls": walls}))
+    state = read_state(tmp_path / "s.json")
+    assert ring_walls(state).tolist() == [1]
+    assert state.box is None
 
 
 @pytest.mark.parametrize("name", DAMAGES)
@@ -252,5 +305,15 @@ def test_frames_of_a_trajectory_are_checked(trajectory):
 def test_column_names_are_those_of_the_snapshot():
     required, optional = column_names("particles", 2)
     assert required == ("id", "x", "y", "radius")
-    assert optional == ("mass", "vx", "vy", "wz", "inertia")
+    assert optional == ("mass", "vx", "vy", "wz", "inertia", "rotation")
     assert column_names("contacts", 3)[1][:6] == ("mx", "my", "mz", "ux", "uy", "uz")
+
+
+def test_rotations_are_read_in_2d(tmp_path, states):
+    """They let displacements and rotations against a reference be averaged from a file."""
+    state = states.random_contacts(3, 2)
+    turned = states.replace(state, particles={**state.particles, "rotation": np.linspace(-1, 1, 9)})
+    for name in ("state.h5", "state.json"):
+        write_state(tmp_path / name, turned)
+        found = read_state(tmp_path / name)
+        np.testing.assert_array_equal(found.particles["rotation"], turned.particles["rotation"])

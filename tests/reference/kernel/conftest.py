@@ -1,14 +1,18 @@
 """A plain DEM to hold the kernel against: loops over scalars and lists of three, no NumPy, none of its code.
 
-Contact laws first, then the DEM. In two dimensions vectors have z = 0 and spins are (0, 0, w).
+Contact laws first, then the DEM. In two dimensions vectors have z = 0 and spins are (0, 0, w). At the end builders of
+rings.
 """
 
 import math
+from functools import partial
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
-from reference.kernel.model import Constant, Cosine, Loaded, Model
+from reference.kernel.conventions import NAMED
+from reference.kernel.model import Constant, Cosine, Loaded, Model, Ring
 
 
 def add(a, b, factor=1.0):
@@ -174,12 +178,17 @@ def talk(spring, given, n, v, dt, advance):
     test = add(scaled(xi, -given.stiffness), v, -given.damping)
     slides = length(test) > limit
     if not advance:
-        return (scaled(test, carried / length(test)) if slides else test), spring, slides
+        return cut_to(test, carried, slides), spring, slides
     if slid and given.mu_d is not None:
         coming = add(scaled(add(xi, v, dt), -given.stiffness), v, -given.damping)
         slides = length(coming) > limit and length(test) > 0
-    force = scaled(test, carried / length(test)) if slides else test
+    slides = slides or limit == 0
+    force = cut_to(test, carried, slides)
     return force, (left_behind(force, v, given) if slides else add(xi, v, dt), slides), slides
+
+
+def cut_to(test, carried, slides):
+    return scaled(test, carried / length(test)) if slides and length(test) > 0 else test
 
 
 def numbers(stiffness, damping, mu, base, mu_d=None):
@@ -397,3 +406,38 @@ def dem(build) -> SimpleNamespace:
     """Builders, measures, the plain DEM and its laws."""
     plain = SimpleNamespace(normal=normal, slide=slide, numbers=numbers)
     return SimpleNamespace(**vars(build), Plain=PlainDem, plain=plain)
+
+
+@pytest.fixture(scope="session")
+def annulus(build) -> SimpleNamespace:
+    """Builders of rings, and of models between two of them; all other arguments are those of `build.model`."""
+    return SimpleNamespace(ring=glued_ring, between=partial(between_rings, build))
+
+
+def glued_ring(name, circle, *, radius=0.5, omega=None, centre=(0.0, 0.0), count=None) -> Ring:
+    """Discs on a circle, side by side, or `count` of them."""
+    angle = 2 * np.pi * np.arange(count or round(np.pi * circle / radius)) / (count or round(np.pi * circle / radius))
+    x = np.array(centre)[:, None] + circle * np.stack([np.cos(angle), np.sin(angle)])
+    return Ring(name=name, centre=centre, x=x, radius=np.full(len(angle), radius), omega=omega)
+
+
+def between_rings(build, seed=1, *, omegas=(0.8, -0.3), centre=(0.3, -0.2), squeeze=1.0, **options) -> Model:
+    """Two layers of unequal discs, with their own velocities and spins, between circles of radii 3 and 8."""
+    rng = np.random.default_rng(seed)
+    layers = [(r, count) for r, count in ((4.5, 14), (6.4, 20))]
+    angle = np.concatenate([2 * np.pi * np.arange(count) / count for _, count in layers])
+    distance = np.concatenate([np.full(count, r) for r, count in layers]) + rng.uniform(-0.1, 0.1, len(angle))
+    given = {
+        "x": np.array(centre) + (distance * np.array([np.cos(angle), np.sin(angle)])).T,
+        "v": rng.normal(size=(len(angle), 2)), "spin": rng.normal(size=len(angle)), "gn": 5.0,
+        "radius": squeeze * rng.uniform(0.85, 1.1, len(angle)), "mass": rng.uniform(0.5, 2.0, len(angle)),
+        "rings": (glued_ring("inner", 3.0, omega=omegas[0], centre=centre),
+                  glued_ring("outer", 8.0, omega=omegas[1], centre=centre)),
+    }
+    return build.model(**(given | options))
+
+
+@pytest.fixture(scope="session")
+def named() -> dict:
+    """All conventions that a deck can name."""
+    return NAMED

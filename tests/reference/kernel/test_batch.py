@@ -25,7 +25,7 @@ def test_each_replica_moves_as_alone(dem, dim):
 
 def test_what_would_meet_or_differs_is_refused(dem):
     free = dem.cluster(1, 2)
-    with pytest.raises(ValueError, match="no walls and no periodic axes"):
+    with pytest.raises(ValueError, match="no walls, no rings and no periodic axes"):
         batch([free, dem.cluster(1, 2, walls=dem.box(9, 2))], room=1.0)
     with pytest.raises(ValueError, match="expected the same normal"):
         batch([free, dataclasses.replace(free, dt=2 * free.dt)], room=1.0)

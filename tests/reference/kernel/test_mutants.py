@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from reference.analytic.linear_collision import LinearCollision
-from reference.kernel import interactions, neighbours, simulation
+from reference.kernel import interactions, neighbours, simulation, walls
 from reference.kernel.laws import (
     law,
     linear,
@@ -190,7 +190,7 @@ def test_the_kernel_passes(dem, check):
 
 MOVE, NORMAL, TALK = slider.Slider.move, law.NormalLaw.force, slider._ALGORITHMS["talk"]
 CROSS, SPIN = interactions.torque_cross, interactions.spin_cross
-LOADED, KICK = simulation.Simulation._loaded_force, simulation.Simulation._kick
+LOADED, KICK = walls.MovingWalls.acceleration, simulation.Simulation._kick
 ALGORITHMS, LINEAR, INTERACTION = slider._ALGORITHMS, linear.LinearNormal, interactions.Interaction
 
 
@@ -238,8 +238,8 @@ def memory_kept(self, touching, memory):
         kept[:, touching] = memory[family]
 
 
-def loads_pull(self, k, motion):
-    return -LOADED(self, k, motion)
+def loads_pull(self, wall):
+    return -LOADED(self, wall)
 
 
 def half_an_arm(radius_i, radius_j, overlap, arm):
@@ -291,7 +291,7 @@ MUTANTS = {
         neighbours, "_carried", lambda old_key, old, key: np.zeros((len(old), len(key))), check_plain),
     "kick doubled": (simulation.Simulation, "_kick", whole_kick, check_energy),
     "kick doubled, falling": (simulation.Simulation, "_kick", whole_kick, check_free_fall_with_drag),
-    "loads of the wrong sign": (simulation.Simulation, "_loaded_force", loads_pull, check_loaded_wall),
+    "loads of the wrong sign": (walls.MovingWalls, "acceleration", loads_pull, check_loaded_wall),
     "drive of the wrong sign": (Cosine, "displacement", wall_the_other_way, check_driven_wall),
 }
 

@@ -193,6 +193,19 @@ def test_a_sliding_twist_resists_the_rate_against_its_own_spring():
     assert (resting[0, 0], spring[0, 0]) == (0.0, 0.0)
 
 
+@pytest.mark.parametrize("mu_d", [None, 0.2])
+@pytest.mark.parametrize("slid", [0.0, 1.0])
+@pytest.mark.parametrize("round_off", [0.0, 1e-17, -1e-17])
+def test_a_limit_of_zero_holds_nothing_in_the_talk(mu_d, slid, round_off):
+    """Spring and dashpot cancel up to a rounding, which must not decide whether the spring is stretched on."""
+    xi = column(-GT * 0.4 / KT + round_off, 0.0)
+    memory = xi if mu_d is None else np.vstack([xi, [[slid]]])
+    force, left = slider("talk", mu_d=mu_d).move(memory, column(0.4, 0.0), pressed(0.0), UP, DT, advance=True)
+    assert not force.any()
+    assert left[0, 0] == pytest.approx(-GT * 0.4 / KT, rel=1e-14)
+    assert mu_d is None or left[2, 0] == 1.0
+
+
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
 def test_the_given_spring_is_not_written_to(algorithm):
     xi = column(1.0, 0.0)

@@ -13,7 +13,7 @@ from postproc.snapshot import Columns
 
 WINDOW, SIDE, PLACES, STRESS, INERTIA = (
     "top-wall force up to 2 % strain", "side wall (F_x - p_x z)/(p_x z)", "places of the walls",
-    "stress from contacts = from walls", "inertial number, axial",
+    "stress from contacts = from walls", "rate of the drive (axial inertial number)",
 )
 ENGINES = ["lammps", "kernel:lammps"]
 RERUN = Rerun(scene_file=Path("box.toml"), out=Path("out"), packings=None)
@@ -104,7 +104,7 @@ def test_without_any_run_nothing_is_compared(judge):
     checks, result = judge(["lammps", "liggghts"])
     assert {c.verdict for c in checks if c.level != "run"} == {"not_checked"}
     assert failed(checks)
-    assert result.curves == result.growth == result.states == result.macro == {}
+    assert result.curves == result.growth == result.states == result.phases == result.macro == {}
 
 
 def test_one_engine_alone_is_not_compared(box, judge):
@@ -157,8 +157,32 @@ def test_control_counts_up_to_the_peak_only(box, judge, mutate):
     checks, _ = judge(lammps=late, kernel_lammps=true)
     (side,) = [c for c in checks if c.quantity == SIDE and c.left == "lammps"]
     assert side.verdict == "agrees"
-    assert "up to the peak at 5 % strain" in side.why
+    assert "up to the peak at 5 % strain (top from " in side.why
 
+
+def test_control_counts_over_the_whole_test_where_there_is_no_peak(box, judge, mutate):
+    true = box.trajectory()
+    late = mutate.series(true, right_fx=lambda f: np.where(np.arange(len(f)) == 40, 1.5 * f, f))
+    checks, _ = judge(lammps=late, kernel_lammps=true)
+    (side,) = [c for c in checks if c.quantity == SIDE and c.left == "lammps"]
+    assert (side.verdict, side.deviation) == ("differs", pytest.approx(0.5))
+    assert side.why.startswith("largest over the whole test, which has no peak; rerun")
+
+
+def test_the_drive_is_judged_and_bursts_are_said_not_to_be(box, judge, mutate):
+    """A disc of 8.4e-6 kg at 1 m/s beside the energy of the springs, in the last frame alone."""
+    true = box.trajectory()
+    last = true.frames[-1].time
+    calm, burst = true, replace(true, frames=(*true.frames[:-1], mutate.column(
+        true, "particles", "vx", lambda v: v + np.eye(9)[4]).frames[-1]))
+    assert burst.frames[-1].time == last
+    checks, result = judge(lammps=burst, kernel_lammps=calm)
+    drive = {c.left: c for c in checks if c.quantity == INERTIA}
+    assert {c.verdict for c in drive.values()} == {"agrees"}
+    assert {c.right for c in drive.values()} == {"slow drive"}
+    largest = result.states["lammps"].values["kinetic over elastic energy"][-1]
+    assert drive["lammps"].why.endswith(f"not of bursts: E_kin/E_el reaches {largest:.2g} at 10 % strain")
+    assert "E_kin/E_el reaches 0 at" in drive["kernel:lammps"].why
 
 def test_places_need_not_be_sampled_at_the_frames(box):
     """Frames are at every second sample, the series has every third: they meet at every sixth."""

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.studies.compare.curves import biaxial_curves
-from harness.studies.compare.macro import MACRO, macro_values, plateau_mean
+from harness.studies.compare.macro import OF_THE_PEAK, OF_THE_PLATEAU, OF_THE_TEST, macro_values, plateau_mean
 
 
 @pytest.fixture
@@ -45,7 +45,7 @@ def test_a_stress_that_pulls_has_no_angle(box, mutate):
 def test_the_peak_is_where_the_ratio_is_largest(box):
     """R = 1 + 40 eps (0.1 - eps)/0.1 has its maximum at eps = 0.05, half time, sample 20: R = 2."""
     curves = biaxial_curves(box.trajectory(lambda eps: 1 + 400 * eps * (0.1 - eps)), box.system)
-    assert curves.peak == 20
+    assert curves.peak.sample == 20
     assert curves.strain[20] == pytest.approx(0.05)
     macro = macro_values(curves, box.scene)
     assert macro["strain at the peak"] == pytest.approx(0.05)
@@ -60,7 +60,7 @@ def test_a_burst_is_not_the_peak(box, mutate):
     burst = mutate.series(true, top_fy=lambda f: np.where(np.arange(len(f)) == 800, 1.5 * f, f))
     curves = biaxial_curves(burst, many.system)
     assert int(np.argmax(curves.stress_zz)) == 800
-    assert curves.strain[curves.peak] == pytest.approx(0.05, abs=5e-4)
+    assert curves.peak.strain == pytest.approx(0.05, abs=5e-4)
     assert macro_values(curves, many.scene)["peak stress ratio"] == pytest.approx(2.0, rel=1e-3)
 
 
@@ -97,5 +97,11 @@ def test_a_plateau_without_two_samples_is_not_computed(curves, plateau):
 
 def test_without_a_plateau_there_are_no_plateau_numbers(box, curves):
     plain = box.changed(("plateau = [0.05, 0.1]\n", ""))
-    assert set(macro_values(curves, plain.scene)) == {n for n in MACRO if not n.startswith("plateau")}
-    assert set(macro_values(curves, box.scene)) == set(MACRO)
+    assert set(macro_values(curves, plain.scene)) == set(OF_THE_TEST)
+    assert set(macro_values(curves, box.scene)) == set(OF_THE_TEST) | set(OF_THE_PLATEAU)
+
+
+def test_a_test_that_never_falls_has_no_peak_and_no_numbers_of_one(box, curves):
+    assert curves.peak is None
+    with_peak = biaxial_curves(box.trajectory(lambda eps: 1 + 400 * eps * (0.1 - eps)), box.system)
+    assert set(macro_values(with_peak, box.scene)) - set(macro_values(curves, box.scene)) == set(OF_THE_PEAK)

@@ -8,7 +8,7 @@ import pytest
 from harness.scene.model import Window
 from harness.studies.compare.curves import biaxial_curves
 from harness.studies.compare.pairs import Pair
-from harness.studies.compare.pointwise import force_deviation, parting_checks, window_checks
+from harness.studies.compare.pointwise import force_deviation, parting_checks, peak_checks, window_checks
 from harness.studies.verdict import Rerun
 
 PAIR = Pair(left="a", right="b", kind="codes")
@@ -143,3 +143,58 @@ def test_parting_tells_the_packing_that_parted_first(curves):
 
 def test_parting_needs_both_runs(curves):
     assert parting_checks([PAIR], {"a": {0: curves()}}, RERUN) == []
+
+
+# --- peaks ---------------------------------------------------------------------------------------
+
+
+def hump(strain, *, height=0.4, at=0.03):
+    """A factor that makes sigma_zz fall by more than it has risen after strain `at`."""
+    return lambda eps: np.where(eps <= strain, 1.0, 1.0 - height * np.minimum((eps - strain) / at, 1.0))
+
+
+def peaks(*both):
+    done = {"a": dict(enumerate(a for a, _ in both)), "b": dict(enumerate(b for _, b in both))}
+    return peak_checks([PAIR], done, RERUN)
+
+
+def test_one_peak_agrees(curves):
+    a = curves(hump(0.0312))
+    (check,) = peaks((a, a))
+    assert (check.verdict, check.deviation, check.level) == ("agrees", 0.0, "L2")
+    assert check.why == f"at {a.peak.where} and at {a.peak.where}"
+
+
+def test_without_a_peak_there_is_no_check(curves):
+    assert peaks((curves(), curves())) == []
+
+
+@pytest.mark.parametrize("other", [hump(0.06), lambda eps: np.ones_like(eps)])
+def test_two_peaks_of_runs_that_followed_each_other_differ(curves, other):
+    """They part only after the first of the two peaks, and the lower one is no top of the other."""
+    (check,) = peaks((curves(hump(0.0312)), curves(other)))
+    assert (check.verdict, check.deviation) == ("differs", None)
+    assert check.why.endswith("rerun: grainproof compare box.toml --engines a,b --out out")
+
+
+def test_peaks_after_chaos_are_inconclusive(curves):
+    """Apart by 2 % from sample 5 on."""
+    def apart(eps):
+        return np.where(np.arange(len(eps)) >= 5, 1.02, 1.0)
+
+    a, b = curves(hump(0.0312)), curves(lambda eps: apart(eps) * hump(0.06)(eps))
+    (check,) = peaks((a, b))
+    assert check.verdict == "inconclusive"
+    assert f"later than {100 * a.strain[4]:.3g} %, where the runs had parted" in check.why
+
+
+def test_a_peak_of_another_height_differs_and_no_chaos_excuses_it_from_step_zero_on(curves):
+    (check,) = peaks((curves(hump(0.0312)), curves(lambda eps: 0.95 * hump(0.0312)(eps))))
+    assert (check.verdict, check.deviation) == ("differs", pytest.approx(0.05))
+
+
+def test_the_worst_packing_counts_for_peaks(curves):
+    one, other = curves(hump(0.0312)), curves(hump(0.06))
+    (check,) = peaks((one, one), (one, other))
+    assert check.verdict == "differs"
+    assert "of 2 packings" in check.why

@@ -5,6 +5,7 @@ settings, judgement), and one row in the table of its family: `NORMAL`, `SLIDING
 """
 
 from harness.engines.liggghts.law.compose import (
+    glued_types,
     header_lines,
     history,
     judgements,
@@ -23,7 +24,7 @@ from harness.engines.liggghts.law.normal import NORMAL
 from harness.engines.liggghts.law.sliding import SLIDING
 
 __all__ = [
-    "NORMAL", "ROLLING", "SLIDING", "TORSION", "header_lines", "history", "judgements", "law_lines", "model_words",
-    "observation_moves", "particle_types", "setting_words", "told_history", "too_many_bodies", "type_count",
-    "wall_type",
+    "NORMAL", "ROLLING", "SLIDING", "TORSION", "glued_types", "header_lines", "history", "judgements", "law_lines",
+    "model_words", "observation_moves", "particle_types", "setting_words", "told_history", "too_many_bodies",
+    "type_count", "wall_type",
 ]

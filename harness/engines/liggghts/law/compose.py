@@ -7,7 +7,14 @@ from functools import reduce
 import numpy as np
 
 from harness.engines.liggghts.law.couples import ROLLING, TORSION
-from harness.engines.liggghts.law.kinds import MOST_BODIES, bodies, kinds, type_of_wall, types_of_particles
+from harness.engines.liggghts.law.kinds import (
+    MOST_BODIES,
+    bodies,
+    kinds,
+    type_of_wall,
+    types_of_glued,
+    types_of_particles,
+)
 from harness.engines.liggghts.law.normal import HARDEST, NORMAL, SOFTEST
 from harness.engines.liggghts.law.sliding import SLIDING
 from harness.engines.liggghts.law.words import Constant, Judgement, Words
@@ -78,6 +85,11 @@ def type_count(system: System) -> int:
 def particle_types(system: System) -> np.ndarray:
     """Return the atom type of every particle, (N,)."""
     return types_of_particles(system, by_body=_by_body(system))
+
+
+def glued_types(system: System) -> np.ndarray:
+    """Return the atom type of every glued disc, (M,)."""
+    return types_of_glued(system, by_body=_by_body(system))
 
 
 def wall_type(system: System, wall: Wall) -> int:

@@ -109,8 +109,9 @@ def _rolling_luding(system: System) -> Words:
     """As epsd3 with the limit of an adhesive contact; its dashpot is multiplied by that of the normal law."""
     law, normal = system.rolling, system.normal
     judged = _spring_judgement(system, "luding (coeffRollingStiffness = k_r/k_1)", "|f_n + k_c overlap|")
-    if np.any(system.particles.spin) and len(initial_overlaps(system).size):
-        judged = unsupported("luding moves its history at the set-up too, where particles that touch and spin begin")
+    turning = any(ring.omega for ring in system.rings)
+    if turning or (np.any(system.particles.spin) and len(initial_overlaps(system).size)):
+        judged = unsupported("luding moves its history at the set-up too, where bodies that touch and spin begin")
     return _rolling(
         judged, model=" rolling_friction luding", history=COUPLE + UNUSED, by_body=law.rolling_damping > 0.0,
         moved_by_output="rolling luding turns its spring on in every evaluation, so also when contacts are written",

@@ -2,7 +2,8 @@
 
 Mostly there is one type, of everything. Meshes without friction beside meshes with friction are a type of
 their own, because all meshes share one `fix wall/gran`. Where a constant depends on who touches whom (a
-dashpot that LIGGGHTS wants as a restitution), every radius and mass is a type, and walls are another.
+dashpot that LIGGGHTS wants as a restitution), every radius and mass is a type, walls are another, and so is every
+radius of glued discs, whose mass is infinite.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from math import inf
 import numpy as np
 
 from harness.engines.facts import is_rough
+from harness.engines.glued import glued
 from harness.engines.liggghts.planes import meshes
 from harness.scene.system import System, Wall
 
@@ -24,7 +26,7 @@ MOST_BODIES = 12
 class Kind:
     """What atoms and walls of one type are; radius (m) and mass (kg) are inf for walls, None where they do not count.
 
-    smooth: walls that only push.
+    Of glued discs the mass alone is infinite. smooth: walls that only push.
     """
 
     radius: float | None = None
@@ -39,6 +41,8 @@ def kinds(system: System, *, by_body: bool) -> tuple[Kind, ...]:
         found.append(Kind(radius=inf, mass=inf))
     if mixed(system):
         found.append(Kind(radius=inf, mass=inf, smooth=True))
+    if by_body:
+        found += [Kind(radius=r, mass=inf) for r in _glued_radii(system)]
     return tuple(found)
 
 
@@ -55,6 +59,20 @@ def types_of_particles(system: System, *, by_body: bool) -> np.ndarray:
         return np.ones(len(p), dtype=int)
     number = {body: k + 1 for k, body in enumerate(bodies(system))}
     return np.array([number[body] for body in zip(p.radius.tolist(), p.mass.tolist(), strict=True)])
+
+
+def types_of_glued(system: System, *, by_body: bool) -> np.ndarray:
+    """Return the type of every glued disc, (M,); theirs are the last ones."""
+    radius = glued(system).radius
+    if not by_body:
+        return np.ones(len(radius), dtype=int)
+    sizes = _glued_radii(system)
+    first = len(kinds(system, by_body=True)) - len(sizes) + 1
+    return np.array([first + sizes.index(r) for r in radius.tolist()], dtype=int)
+
+
+def _glued_radii(system: System) -> list[float]:
+    return sorted(set(glued(system).radius.tolist()))
 
 
 def type_of_wall(system: System, wall: Wall, *, by_body: bool) -> int:

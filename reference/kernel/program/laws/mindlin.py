@@ -14,7 +14,7 @@ from reference.kernel.laws.mindlin import MindlinSliding
 from reference.kernel.laws.spheres import effective_modulus, effective_shear_modulus
 from reference.kernel.program.components import TINY
 from reference.kernel.program.laws.setting import Setting
-from reference.kernel.program.slider import Spring, slide
+from reference.kernel.program.slider import Spring, slide_across
 
 
 def mindlin_sliding(law: MindlinSliding, s: Setting) -> None:
@@ -24,7 +24,7 @@ def mindlin_sliding(law: MindlinSliding, s: Setting) -> None:
     ratio = effective_shear_modulus(*elasticity) / effective_modulus(*elasticity)
     p(np.multiply, s.normal.stiffness, 6.0 * ratio, out=stiffness)
     p(np.multiply, xi, stiffness, out=xi)
-    slide(p, c, c.tangents, _spring(law, s, stiffness, ratio), rate=c.v_t, out=c.shear)
+    c.pull = slide_across(p, c, _spring(law, s, stiffness, ratio), rate=c.v_t, out=c.shear, pulls=True)
     p(np.maximum, stiffness, TINY, out=stiffness)
     p(np.divide, xi, stiffness, out=xi)
 

@@ -31,6 +31,7 @@ from reference.kernel.program.laws.setting import Setting
 from reference.kernel.program.laws.sliding import spring_sliding
 from reference.kernel.program.laws.torsion import spring_torsion
 from reference.kernel.program.laws.viscous import viscous_sliding
+from reference.kernel.program.slider import lags
 
 NORMAL: dict[type[Law], type[NormalOperations]] = {
     LinearNormal: Linear, HertzNormal: Hertz, HystereticNormal: Hysteretic,
@@ -43,12 +44,14 @@ class Tangential:
     """act adds the operations of a law.
 
     stiffness: the law's field by which the history, a tension, is the textbook's elongation; None: history is what
-    the textbook remembers. limited: whether the law asks for the base of limits. takes_elastic_force: whether it asks
-    for f_el as well. compares_spins: whether it asks if two spins are equal.
+    the textbook remembers. friction: the field with the coefficient that limits a spring, if the law has one.
+    limited: whether the law asks for the base of limits. takes_elastic_force: whether it asks for f_el as well.
+    compares_spins: whether it asks if two spins are equal.
     """
 
     act: Callable[[Law, Setting], None]
     stiffness: str | None = None
+    friction: str | None = None
     limited: bool = True
     takes_elastic_force: bool = False
     compares_spins: bool = False
@@ -57,15 +60,20 @@ class Tangential:
         """Return history over the textbook's memory."""
         return 1.0 if self.stiffness is None else getattr(law, self.stiffness)
 
+    def lags(self, law: Law) -> bool:
+        """Whether springs may lag behind their contact: `program.slider`."""
+        turns = getattr(law, "frame", "contact") == "contact"
+        return self.friction is not None and lags(law.algorithm, getattr(law, self.friction), turns=turns)
+
 
 TANGENTIAL: dict[str, dict[type[Law], Tangential]] = {
     "sliding": {
-        SpringSliding: Tangential(act=spring_sliding, stiffness="shear_stiffness"),
-        MindlinSliding: Tangential(act=mindlin_sliding),
+        SpringSliding: Tangential(act=spring_sliding, stiffness="shear_stiffness", friction="shear_friction"),
+        MindlinSliding: Tangential(act=mindlin_sliding, friction="shear_friction"),
         ViscousSliding: Tangential(act=viscous_sliding),
     },
     "rolling": {
-        SpringRolling: Tangential(act=spring_rolling, stiffness="rolling_stiffness"),
+        SpringRolling: Tangential(act=spring_rolling, stiffness="rolling_stiffness", friction="rolling_friction"),
         ConstantRolling: Tangential(
             act=constant_rolling, limited=False, takes_elastic_force=True, compares_spins=True),
     },

@@ -6,7 +6,7 @@ import numpy as np
 
 from reference.kernel.laws.rolling import SpringRolling
 from reference.kernel.program.laws.setting import Setting
-from reference.kernel.program.slider import Spring, slide
+from reference.kernel.program.slider import Spring, slide, slide_across
 
 
 def spring_rolling(law: SpringRolling, s: Setting) -> None:
@@ -18,7 +18,7 @@ def spring_rolling(law: SpringRolling, s: Setting) -> None:
     )
     if law.frame == "contact":
         rate, force = s.rotation.rolling_velocity(p, c), c.tangents.buffer("rolling force")
-        slide(p, c, c.tangents, spring, rate=rate, out=force)
+        slide_across(p, c, spring, rate=rate, out=force, pulls=False)
         s.rotation.couple_of(p, c, force)
     else:
         rate = s.rotation.across(p, c, c.rolling)

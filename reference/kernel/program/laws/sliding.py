@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from reference.kernel.laws.sliding import SpringSliding
 from reference.kernel.program.laws.setting import Setting
-from reference.kernel.program.slider import Spring, slide
+from reference.kernel.program.slider import Spring, slide_across
 
 
 def spring_sliding(law: SpringSliding, s: Setting) -> None:
@@ -14,4 +14,4 @@ def spring_sliding(law: SpringSliding, s: Setting) -> None:
         damping=law.shear_damping or None, friction=law.shear_friction, dynamic_friction=law.dynamic_friction,
         mean_rate=s.c.mean_v_t,
     )
-    slide(s.p, s.c, s.c.tangents, spring, rate=s.c.v_t, out=s.c.shear)
+    s.c.pull = slide_across(s.p, s.c, spring, rate=s.c.v_t, out=s.c.shear, pulls=True)

@@ -17,4 +17,4 @@ def viscous_sliding(law: ViscousSliding, s: Setting) -> None:
         p(np.abs, c.f_n, out=f)
     p(np.multiply, f, law.shear_friction, out=limit)
     p(np.multiply, c.v_t, law.shear_damping, out=c.shear)
-    c.tangents.cut(p, c.shear, limit, c.shear, None)
+    c.tangents.cut(p, c.shear, limit, c.shear)

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from reference.kernel.program.buffers import empty
 from reference.kernel.program.contacts import Contacts
 from reference.kernel.program.plane.tangents import Tangents
+from reference.kernel.program.plane.vectors import PlaneVectors
 
 
 class PlaneContacts(Contacts):
@@ -21,6 +24,11 @@ class PlaneContacts(Contacts):
         self.inverse.imag = 0.0
         self.v_n = self.u.real
         self.tangents = Tangents(self)
+
+    @cached_property
+    def lagging_vectors(self) -> PlaneVectors:
+        """Springs as vectors."""
+        return PlaneVectors(self)
 
     @staticmethod
     def new_forces(count: int) -> np.ndarray:

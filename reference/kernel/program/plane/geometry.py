@@ -47,7 +47,10 @@ def relative_velocities(p: Program, nodes: PlaneNodes, c: PlaneContacts) -> None
 def sum_forces(p: Program, nodes: PlaneNodes, c: PlaneContacts) -> None:
     """Add conj(force) = (f_n + i shear) conj(n) to the nodes i and take it from the nodes j."""
     p.effect("sum")
-    p.copy(c.f_n, c.u.real)
+    if c.pull is None:
+        p.copy(c.f_n, c.u.real)
+    else:
+        p(np.subtract, c.f_n, c.pull, out=c.u.real)
     p.copy(c.shear, c.u.imag)
     p(np.multiply, c.u, c.normal, out=c.force)
     _to_nodes(p, nodes, c)

@@ -6,7 +6,7 @@ import numpy as np
 
 from reference.kernel.program.buffers import empty
 from reference.kernel.program.contacts import Contacts
-from reference.kernel.program.space.vectors import Vectors
+from reference.kernel.program.vectors import Vectors
 
 
 class SpaceContacts(Contacts):
@@ -16,7 +16,7 @@ class SpaceContacts(Contacts):
         super().__init__(*args)
         self.normal, self.u, self.z = (self.buffer(name, 3) for name in ("normal", "u", "z"))
         self.v_n = self.buffer("v_n")
-        self.tangents = Vectors(self)
+        self.tangents = Vectors(self, self.normal, self.z)
 
     @staticmethod
     def new_forces(count: int) -> np.ndarray:

@@ -15,7 +15,7 @@ from reference.kernel.program.buffers import lined_up
 from reference.kernel.program.program import Program
 from reference.kernel.program.space.contacts import SpaceContacts
 from reference.kernel.program.space.nodes import SpaceNodes
-from reference.kernel.program.space.vectors import dot
+from reference.kernel.program.vectors import dot
 
 
 def overlaps_and_normals(p: Program, model: Model, nodes: SpaceNodes, c: SpaceContacts, *, masked: bool) -> None:

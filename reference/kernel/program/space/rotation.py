@@ -11,7 +11,7 @@ import numpy as np
 from reference.kernel.program.program import Program
 from reference.kernel.program.space.contacts import SpaceContacts
 from reference.kernel.program.space.nodes import SpaceNodes
-from reference.kernel.program.space.vectors import cross, dot
+from reference.kernel.program.vectors import cross, dot
 
 
 def slip_and_rolling(

@@ -2,20 +2,20 @@
 
 import dataclasses
 from collections import Counter
-from contextlib import contextmanager
-from unittest.mock import patch
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from reference.kernel.conventions import CONVENTIONS, LAMMPS, LIGGGHTS, NAMED, TALK
-from reference.kernel.laws import slider
+from reference.kernel.corrected import simulate
 from reference.kernel.laws.registry import LAWS
+from reference.kernel.laws.slider import LAMMPS_TURN_THRESHOLD
 from reference.kernel.output import contact_table
 from reference.kernel.program.compose import can_compose
 from reference.kernel.program.simulation import ProgramSimulation, fastest
+from reference.kernel.program.slider import LAGGING
 
 MIXED = dataclasses.replace(TALK, name="mixed", torque_arm="radius", wall_slip_arm="radius", wall_torque_arm="reduced",
                             rolling="liggghts", limit="absolute", sliding="lammps", wall_spin="raised")
@@ -32,8 +32,8 @@ VARIANTS = {
         "normal_damping": [0.0, 5.0], "adhesion_stiffness": [0.0, 2e3], "plasticity_depth": [0.005, 0.05]},
     ("normal", "dmt"): {"normal_damping": [0.0, 5.0]},
     ("sliding", "spring"): {
-        "shear_friction": [0.4, 1.5], "shear_damping": [0.0, 5.0], "dynamic_friction": [None, 0.25]},
-    ("rolling", "spring"): {"rolling_damping": [0.0, 3.0]},
+        "shear_friction": [0.4, 1.5, 1e4], "shear_damping": [0.0, 5.0], "dynamic_friction": [None, 0.25]},
+    ("rolling", "spring"): {"rolling_damping": [0.0, 3.0], "rolling_friction": [0.1, 50.0]},
     ("torsion", "spring"): {"torsion_damping": [0.0, 3.0]},
 }
 """What is drawn of the parameters of a law; of one that is not named here, the table of `dem`."""
@@ -63,22 +63,10 @@ def drawn_model(dem, draw):
         "rotations": dim == 2 and draw(st.booleans()),
         "squeeze": draw(st.sampled_from([0.9, 0.98])),
     }
-    assume(not decided_by_round_off(options["convention"], **tables))
     walls = rough_corner(dem, dim) if draw(st.booleans()) else ()
     if not walls and draw(st.booleans()):
         options["periodic"] = (9.0, 0.0, 8.5)[:dim]
     return dem.cluster(draw(st.integers(0, 50)), dim, across=6 - dim, walls=walls, **tables, **options)
-
-
-def decided_by_round_off(convention, normal, sliding, rolling, torsion) -> bool:
-    """Whether the limit of a talk's spring can be exactly 0 while the rate stays what it was.
-
-    Its test force is then exactly 0 or a round-off, and the spring sticks or slides by it, in the textbook too.
-    """
-    springs = [law for law in (rolling, torsion) if law is not None and law["law"] == "spring"]
-    vanishes = normal.get("attraction") == "clipped" or (
-        "loading_stiffness" in normal and normal["normal_damping"] == 0.0) or convention.limit == "pressing"
-    return bool(springs) and vanishes and "talk" in (convention.rolling, convention.torsion)
 
 
 def rough_corner(dem, dim) -> list:
@@ -92,30 +80,42 @@ def relative_difference(expected, got) -> float:
     return float(np.abs(expected - got).max(initial=0.0) / max(np.abs(expected).max(initial=0.0), 1.0))
 
 
-@contextmanager
-def springs_turn_as_in(m):
-    """In LAMMPS 1e-10 of the limit may stay along the normal. In 2D the program turns springs always, and here both."""
-    threshold = 0.0 if m.dimension == 2 else slider.LAMMPS_TURN_THRESHOLD
-    with patch.object(slider, "LAMMPS_TURN_THRESHOLD", threshold):
-        yield
+def round_off_of_textbook(dem, m, textbook, name) -> float:
+    """How far the textbook is from itself in extended precision after as many steps."""
+    exact = dem.Simulation(m.in_long_double())
+    exact.advance(textbook.state.step)
+    return relative_difference(getattr(exact.state, name), getattr(textbook.state, name))
+
+
+def part_along_normals(m) -> float:
+    """The most that a spring of LAMMPS pulls along the normal, over the base of its limit, if the program drops it.
+
+    That is in 2D, up to the coefficient LAGGING; see there. Beyond, and in 3D, the program has it too.
+    """
+    coefficients = [getattr(m.sliding, "shear_friction", 0.0), getattr(m.rolling, "rolling_friction", 0.0)]
+    dropped = [mu for mu in coefficients if m.dimension == 2 and mu <= LAGGING]
+    return LAMMPS_TURN_THRESHOLD * max(dropped, default=0.0) if m.convention.sliding == "lammps" else 0.0
 
 
 @settings(max_examples=40, deadline=None)
 @given(data=st.data())
 def test_every_combination_is_the_textbooks(dem, data):
-    """Positions, velocities, spins, forces and torques after 150 steps; see below for constant rolling resistance."""
+    """Positions, velocities, spins, forces and torques after 150 steps; see below for constant rolling resistance.
+
+    Where a cluster amplifies round-off beyond 1e-11, the textbook in extended precision tells by how much.
+    """
     m = drawn_model(dem, data.draw)
     assert can_compose(m)
     textbook, program = dem.Simulation(m), ProgramSimulation(m)
-    with springs_turn_as_in(m):
-        textbook.advance(150)
+    textbook.advance(150)
     program.advance(150)
     chatters = type(m.rolling).__name__ == "ConstantRolling"
     names = ["x", "v", "spin", "force", "wall_force", *(["torque"] if m.turns and not chatters else []),
              *(["turned"] if m.rotations else [])]
     for name in names:
         difference = relative_difference(getattr(textbook.state, name), getattr(program.state, name))
-        assert difference < (1e-8 if chatters else 1e-11), name
+        if difference >= (1e-8 if chatters else 1e-11) + part_along_normals(m):
+            assert difference < round_off_of_textbook(dem, m, textbook, name), name
 
 
 @pytest.mark.parametrize("normal", ["linear", "hysteretic", "dmt"])
@@ -132,12 +132,94 @@ def test_constant_rolling_resistance_is_the_textbooks(dem, dim, convention, norm
     assert relative_difference(textbook.state.torque, program.state.torque) < 1e-12
 
 
-def test_a_spring_that_lammps_does_not_turn_makes_no_difference_that_counts(dem):
-    m = dem.cluster(3, 2, across=4, squeeze=0.98, periodic=(9.0, 0.0), mu=5.0, convention="lammps")
+@pytest.mark.parametrize("mu_d", [None, 0.2])
+@pytest.mark.parametrize(("normal", "changes"), [
+    ("linear", {"attraction": "clipped"}), ("linear", {}), ("hysteretic", {"normal_damping": 0.0}),
+])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_limits_that_vanish_for_a_while_decide_the_same(dem, dim, normal, changes, mu_d):
+    """Springs of the talk slide at a limit of 0; were it their test force that decides, round-off would."""
+    tables = {"normal": dem.table("normal", normal, **changes), "rolling": dem.table("rolling", "spring"),
+              "sliding": dem.table("sliding", "spring", dynamic_friction=mu_d)}
+    if dim == 3:
+        tables["torsion"] = dem.table("torsion", "spring")
+    for seed in range(2):
+        m = dem.cluster(seed, dim, across=6 - dim, squeeze=0.95, convention="talk", **tables)
+        textbook, program = advanced_by_both(dem, m, 150)
+        for name in ("x", "v", "spin", "force", "torque"):
+            assert relative_difference(getattr(textbook.state, name), getattr(program.state, name)) < 1e-11, name
+
+
+def advanced_by_both(dem, m, steps):
+    textbook, program = simulate(m), ProgramSimulation(m)
+    textbook.advance(steps)
+    program.advance(steps)
+    return textbook, program
+
+
+@pytest.mark.parametrize("convention", ["lammps", "corrected"])
+@pytest.mark.parametrize("mu", [1.01 * LAGGING, 1e3, 1e4, 1e8])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_springs_of_rough_bodies_lag_as_the_textbooks(dem, dim, mu, convention):
+    """LAMMPS turns them beyond 1e-10 of a limit that is that much larger: by hundreds of steps too late at 1e8."""
+    for seed in range(3):
+        m = dem.cluster(seed, dim, across=6 - dim, squeeze=0.96, walls=rough_corner(dem, dim), mu=mu, gn=5.0, gt=2.0,
+                        rolling=dem.table("rolling", "spring", rolling_friction=mu) if convention == "lammps" else None,
+                        convention=NAMED[convention])
+        textbook, program = advanced_by_both(dem, m, 150)
+        assert isinstance(fastest(m), ProgramSimulation)
+        for name in ("x", "v", "spin", "force", "torque"):
+            assert relative_difference(getattr(textbook.state, name), getattr(program.state, name)) < 3e-11, name
+        expected, got = memory_by_pair(textbook), memory_by_pair(program)
+        assert expected.keys() == got.keys()
+        for key, column in expected.items():
+            np.testing.assert_allclose(got[key], column, atol=1e-12, err_msg=str(key))
+
+
+@pytest.mark.parametrize("part", [0.5, 0.99])
+def test_what_a_smooth_spring_pulls_along_the_normal_is_dropped_and_no_more(dem, part):
+    """A pair with a sheared spring turns by just less than LAMMPS takes note of: the force differs by that part."""
+    mu, spring, m = LAGGING, 1e-3, None
+    kt = dem.table("sliding", "spring")["shear_stiffness"]
+    f_n = dem.KN * 0.1
+    turn = part * LAMMPS_TURN_THRESHOLD * mu * f_n / (kt * spring)
+    dt = dem.tc / 50
+    m = dem.model([[0.0, 0.0], [1.9, 0.0]], v=[[0.0, 0.0], [0.0, 1.9 * turn / dt]], convention="lammps", mu=mu, dt=dt)
     textbook, program = dem.Simulation(m), ProgramSimulation(m)
-    textbook.advance(150)
-    program.advance(150)
-    assert relative_difference(textbook.state.x, program.state.x) < 1e-10
+    for simulation in (textbook, program):
+        shear_springs(simulation, spring)
+        simulation.advance(1)
+    difference = np.abs(textbook.state.force - program.state.force).max()
+    assert difference == pytest.approx(part * LAMMPS_TURN_THRESHOLD * mu * f_n, rel=0.05)
+
+
+def shear_springs(simulation, spring) -> None:
+    """Stretch the spring of the one contact, whose normal is along x, by a length along y."""
+    if isinstance(simulation, ProgramSimulation):
+        simulation.history["sliding"][:] = -simulation.model.sliding.shear_stiffness * spring
+    else:
+        simulation.interactions[0].pairs.memory["sliding"][1] = spring
+
+
+def test_bits_do_not_depend_on_the_skin_where_springs_lag(dem):
+    m = dem.cluster(5, 2, squeeze=0.98, mu=1e3, gn=5.0, gt=2.0, convention="lammps")
+    made = []
+    for skin in (0.03, 0.6):
+        simulation = ProgramSimulation(m, skin=skin)
+        simulation.advance(200)
+        made.append((dem.bytes(simulation), simulation.rebuilds))
+    assert made[0][0] == made[1][0]
+    assert made[0][1] > made[1][1]
+
+
+def test_springs_that_cannot_lag_cost_nothing(dem):
+    """A coefficient up to LAGGING has the operations of any other; so has a larger one where nothing lags."""
+    def count(mu, convention):
+        return len(ProgramSimulation(dem.cluster(2, 2, squeeze=0.95, mu=mu, convention=convention)).operations)
+
+    assert count(LAGGING, "lammps") == count(0.1, "lammps") < count(1e3, "lammps")
+    for convention in ("talk", "liggghts"):
+        assert count(1e3, convention) == count(0.1, convention)
 
 
 REGISTERED = [(family, word) for family, words in LAWS.items() for word in words]
@@ -195,8 +277,7 @@ def test_all_memories_are_handed_over(dem, dim, convention, mu_d):
     m = dem.cluster(6, dim, squeeze=0.93, walls=rough_corner(dem, dim), convention=convention,
                     **full_contact(dem, dim, dynamic_friction=mu_d))
     textbook, program = dem.Simulation(m), ProgramSimulation(m)
-    with springs_turn_as_in(m):
-        textbook.advance(60)
+    textbook.advance(60)
     program.advance(60)
     expected, got = memory_by_pair(textbook), memory_by_pair(program)
     assert expected.keys() == got.keys()

@@ -1,4 +1,4 @@
-"""Vectors of contacts as (3, P) arrays: products, and springs in the tangent plane."""
+"""Vectors of contacts as (dim, P) arrays: products, and springs that are turned into the tangent plane."""
 
 from __future__ import annotations
 
@@ -10,20 +10,21 @@ from reference.kernel.program.components import TINY
 from reference.kernel.program.program import Program
 
 if TYPE_CHECKING:
-    from reference.kernel.program.space.contacts import SpaceContacts
+    from reference.kernel.program.contacts import Contacts
 
 CYCLIC = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
 
 
 def dot(p: Program, u: np.ndarray, v: np.ndarray, work: np.ndarray, out: np.ndarray) -> None:
-    """out = u.v, column by column; work: (3, P)."""
+    """out = u.v, column by column; work: (dim, P)."""
     p(np.multiply, u, v, out=work)
     p(np.add, work[0], work[1], out=out)
-    p(np.add, out, work[2], out=out)
+    for product in work[2:]:
+        p(np.add, out, product, out=out)
 
 
 def cross(p: Program, u: np.ndarray, v: np.ndarray, work: np.ndarray, out: np.ndarray) -> None:
-    """out = u x v, column by column; work: (P,)."""
+    """out = u x v in space, column by column; work: (P,)."""
     for x, y, z in CYCLIC:
         p(np.multiply, u[y], v[z], out=out[x])
         p(np.multiply, u[z], v[y], out=work)
@@ -33,27 +34,33 @@ def cross(p: Program, u: np.ndarray, v: np.ndarray, work: np.ndarray, out: np.nd
 class Vectors:
     """Vectors in the tangent plane, whose springs are turned into it step by step."""
 
-    def __init__(self, c: SpaceContacts):
-        self.workspace, self.count, self.normal, self.z = c.workspace, c.count, c.normal, c.z
-        self.work = c.buffer("work", 3)
+    def __init__(self, c: Contacts, normal: np.ndarray, z: np.ndarray):
+        """normal: (dim, P), where it will stand; z: (dim, P), free for work."""
+        self.workspace, self.count, self.normal, self.z = c.workspace, c.count, normal, z
+        self.work = self.buffer("work")
         self.along, self.squared = c.buffer("along"), c.buffer("squared")
 
     def buffer(self, name: str) -> np.ndarray:
-        """Return the (3, P) buffer of that name."""
-        return self.workspace.rows(name, 3, self.count)
+        """Return the (dim, P) buffer of that name."""
+        return self.workspace.rows(name, len(self.normal), self.count)
 
     def size(self, p: Program, v: np.ndarray, out: np.ndarray) -> None:
         """out = |v|."""
         dot(p, v, v, self.z, out=out)
         p(np.sqrt, out, out=out)
 
-    def cut(self, p: Program, v: np.ndarray, limit: np.ndarray, out: np.ndarray, stuck: np.ndarray | None) -> None:
+    def cut(
+        self, p: Program, v: np.ndarray, limit: np.ndarray, out: np.ndarray, *, stuck: np.ndarray | None = None,
+        slides_at_zero: bool = False,
+    ) -> None:
         """out = v min(1, limit/|v|)."""
         size = self.along
         self.size(p, v, size)
-        if stuck is not None:
+        if stuck is not None and not slides_at_zero:
             p(np.less_equal, size, limit, out=stuck)
         p(np.maximum, size, TINY, out=size)
+        if slides_at_zero:
+            p(np.less_equal, size, limit, out=stuck)
         p(np.divide, limit, size, out=limit)
         p(np.minimum, limit, 1.0, out=limit)
         p(np.multiply, v, limit, out=out)

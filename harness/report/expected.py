@@ -1,0 +1,107 @@
+"""How long runs and comparisons are expected to take: rough, from what was measured of each engine on one core."""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import singledispatch
+from pathlib import Path
+
+from harness.engines.protocol import REFUSED, Engine, takes
+from harness.engines.registry import find_engine
+from harness.packing.stand_in import stand_in
+from harness.scene.model import Biaxial, Couette, Scene
+from harness.scene.resolve import known_system, needs_packing, resolve
+from harness.scene.system import System
+
+REPORT_SECONDS = 2.0
+"""Reading, judging, averaging and drawing (measured: 1.7 s for two bodies, 2.5 s for a box of 200 discs)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Expected:
+    """A comparison: `seconds` in all, of how many runs on how many packings, with how many runs at a time."""
+
+    seconds: float
+    runs: int
+    packings: int
+    at_once: int
+
+    @property
+    def says(self) -> str:
+        """What is counted."""
+        packed = f" and {self.packings} packing{'s' * (self.packings > 1)}" if self.packings else ""
+        side = f", {self.at_once} at a time" if self.at_once > 1 else ""
+        runs = f"{self.runs} run{'s' * (self.runs != 1)}"
+        return f"{runs}{packed}{side}, on idle cores; what --out holds already is not made again"
+
+
+def likely_system(scene: Scene, path: Path) -> System:
+    """Return the system as far as it is known, else one with as many particles of the same kind. Raises InputError."""
+    return known_system(scene, path) or resolve(scene, path, stand_in(scene))
+
+
+def run_seconds(engine: Engine, system: System) -> float:
+    """Return the seconds of one run; see `microseconds_per_step` of each engine for what was measured."""
+    return engine.startup_seconds + 1e-6 * engine.microseconds_per_step(system) * system.steps
+
+
+def refusals(engine: Engine, system: System) -> list[str]:
+    """Return why an engine would not run the system; empty if it would."""
+    refused = (s for s in engine.supports(system) if s.level in REFUSED)
+    return list(dict.fromkeys(f"{s.effect}: {s.note}" for s in refused))
+
+
+def expected_comparison(
+    scene: Scene, system: System, engines: Sequence[Engine], *, starts: int, workers: int | None = None
+) -> Expected:
+    """Return what a comparison of `engines` from `starts` packings takes, as `run_many` shares runs out.
+
+    Engines that are missing or would refuse the system are not run. Packings are made one after the other.
+    """
+    from harness.runs.outcome import usable_cores
+    from harness.studies.compare.study import distinct_engines
+
+    able = [e for e in distinct_engines(tuple(engines), scene) if e.probe().available and takes(e, system)]
+    costs = [run_seconds(e, system) for e in able] * starts
+    at_once = max(1, min(workers or usable_cores(), len(costs)))
+    packings = starts if needs_packing(scene) else 0
+    return Expected(
+        seconds=packings * packing_seconds(scene, system) + longest_first(costs, at_once) + REPORT_SECONDS,
+        runs=len(costs), packings=packings, at_once=at_once,
+    )
+
+
+def longest_first(costs: Iterable[float], workers: int) -> float:
+    """Return when the last of several jobs ends if the longest is always begun next.
+
+    >>> longest_first([3.0, 1.0, 2.0, 2.0], 2)
+    4.0
+    """
+    ends = [0.0] * workers
+    for cost in sorted(costs, reverse=True):
+        heapq.heapreplace(ends, ends[0] + cost)
+    return max(ends)
+
+
+# --- by kind of scene ------------------------------------------------------------------------
+
+
+@singledispatch
+def packing_seconds(scene: Scene, system: System) -> float:  # noqa: ARG001
+    """Return the seconds in which the start of a scene is made; 0 for one that stands in its file."""
+    return 0.0
+
+
+@packing_seconds.register
+def _(scene: Biaxial, system: System) -> float:  # noqa: ARG001
+    """Measured at 100 N/m: 1.0 s for 200 discs, 23 s for 1950."""
+    return 1.0 * (len(system.particles) / 200) ** 1.38
+
+
+@packing_seconds.register
+def _(scene: Couette, system: System) -> float:
+    """The kernel computes it, step by step."""
+    steps = (scene.preparation.grow + scene.preparation.settle) / system.dt
+    return 1e-6 * find_engine("kernel").microseconds_per_step(system) * steps

@@ -1,0 +1,1 @@
+"""Kernels of coarse graining, one a module."""
