@@ -115,6 +115,11 @@ class Window(Table):
     strain: Positive
     tolerance: Positive
 
+    @property
+    def limit(self) -> float:
+        """Axial strain at which the window ends."""
+        return self.strain
+
 
 MOST_PACKINGS = 1000
 """Of one comparison: an error bar over a thousand packings is 3 % of their spread; more is a slip."""
@@ -248,6 +253,11 @@ class TimeWindow(Table):
     pairs: Literal["same_conventions", "codes"]
     time: Positive
     tolerance: Positive
+
+    @property
+    def limit(self) -> float:
+        """Time at which the window ends, s."""
+        return self.time
 
 
 class RingCompare(Table):

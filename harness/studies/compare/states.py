@@ -33,6 +33,7 @@ SHOWN: dict[str, tuple[str, str, tuple[int, ...]]] = {
     "friction angle, inner": ("inner", "friction_angle", ()),
     "fabric trace, inner": ("inner", "fabric_trace", ()),
     "fabric deviator, inner": ("inner", "fabric_deviator", ()),
+    "stiffness anisotropy C_D, inner": ("inner", "stiffness_anisotropy", ()),
     "kinetic energy": ("box", "translational_energy", ()),
     "rotational energy": ("box", "rotational_energy", ()),
     "elastic energy, normal": ("box", "normal_elastic_energy", ()),
@@ -96,12 +97,16 @@ def _results(frame: Snapshot, system: System) -> dict[str, Result]:
         "kn": elastic_stiffness(system.normal), "kt": elastic_stiffness(sliding),
         "minimum_contacts": MINIMUM_CONTACTS if sliding else system.dimension + 1,
     }
-    averages = {cells: average(frame, cells=cells, **settings) for cells in ("box", "inner")}
+    averages = {cells: average(frame, cells=cells, fields=_fields(cells), **settings) for cells in ("box", "inner")}
     found = {n: _result(averages[SHOWN[n][0]], SHOWN[n][1]) for n in SHOWN if n not in _off(system)}
     if elastic_stiffness(system.normal) is None:
         reason = f'the law "{word(system.normal)}" stores what the overlap does not tell'
         found |= dict.fromkeys(OF_THE_OVERLAP, Unavailable(reason=reason))
     return found
+
+
+def _fields(cells: str) -> list[str]:
+    return list(dict.fromkeys(name for where, name, _ in SHOWN.values() if where == cells))
 
 
 def _off(system: System) -> set[str]:
