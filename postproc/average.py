@@ -68,7 +68,8 @@ def average(
     kernel, width: of coarse graining at points.
     margin: width of the border layer of "inner", m; default two mean diameters.
     minimum_contacts: a particle with fewer is a rattler; 3 (2D) or 4 (3D) without friction.
-    kn, kt: stiffnesses of linear springs, N/m, if the contacts have no columns of that name.
+    kn, kt: stiffnesses of linear springs, N/m, if the contacts have no columns of that name. kt = 0 says that contacts
+        have no tangential springs (friction is a dashpot or slips), which forces alone do not tell.
     reference: state that strains and displacements are measured from.
     rate: strain rate for the inertial number, 1/s.
     gravity: (dim,), m/s^2, counted in the balance of forces.
@@ -77,7 +78,7 @@ def average(
     and settings that make no sense or that the cells do not have.
     """
     _check_settings(
-        positive={"kn": kn, "kt": kt, "margin": margin, "width": width}, finite={"rate": rate},
+        positive={"kn": kn, "kt": kt or None, "margin": margin, "width": width}, finite={"rate": rate},
         minimum_contacts=minimum_contacts,
     )
     if not snapshot.particles.rows:

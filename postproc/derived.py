@@ -66,7 +66,7 @@ class Derived:
     @cached_property
     def contact_deformation(self) -> np.ndarray:
         """Delta^pc, (E, dim), m."""
-        springs = has_tangential_springs(self.ends, self.snapshot)
+        springs = self.kt != 0 and has_tangential_springs(self.ends, self.snapshot)
         overlap = recorded_contacts(self.snapshot)["overlap"]
         return contact_deformation(self.ends, overlap, self.of_contacts("u") if springs else None)
 
@@ -112,7 +112,7 @@ class Derived:
     def stiffness(self) -> np.ndarray:
         """C^n + C^t, in the frame; the normal part where there are no tangential springs."""
         unknown = self.kt is None and "kt" not in recorded_contacts(self.snapshot)
-        if unknown and not has_tangential_springs(self.ends, self.snapshot):
+        if self.kt == 0 or (unknown and not has_tangential_springs(self.ends, self.snapshot)):
             return self.normal_stiffness
         kt = stiffness_column(self.snapshot, "kt", self.kt)
         tangential = stiffness.tangential_stiffness(self.ends, self.cells, kt)

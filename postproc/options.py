@@ -45,7 +45,7 @@ def parser(prog: str) -> argparse.ArgumentParser:
     add("--minimum-contacts", type=_whole, default=MINIMUM_CONTACTS, metavar="N",
         help="fewer make a rattler; default %(default)s, frictionless 3 in 2D and 4 in 3D")
     add("--kn", type=_number, metavar="K", help="normal stiffness, N/m, in place of column kn")
-    add("--kt", type=_number, metavar="K", help="tangential stiffness, N/m, in place of column kt")
+    add("--kt", type=_number, metavar="K", help="tangential stiffness, N/m, in place of column kt; 0: no such springs")
     add("--reference", type=_file, metavar="STATE", help="state that strains are measured from; "
         "default the first frame of a trajectory")
     add("--rate", type=_number, metavar="R", help="strain rate for the inertial number, 1/s")

@@ -25,6 +25,12 @@ WINDOW = 5.0
 ENOUGH = 50.0
 """Frames per tau below which tau, and with it the error, is not to be trusted (it comes out too small)."""
 
+ENOUGH_POOLED = 30.0
+"""The same where tau is pooled over the cells of a profile, as in `estimate(pooled=True)`. Measured on pairs of AR(1)
+profiles of 20 cells whose means are equal, t tests with F/(2 tau) - 1 degrees of freedom: at 30 frames per pooled tau
+false alarms at levels of 1e-2, 1e-3, 1e-4 come 1.4, 1.8 and 2.7 times as often as they should, at 50 and beyond as
+often or more rarely. With a tau of its own for each cell they come 10 to 36 times as often at 50."""
+
 FEWEST = 2
 """Frames without which there is no scatter."""
 
@@ -55,10 +61,13 @@ class Estimate:
     doubt: np.ndarray
 
 
-def estimate(series: np.ndarray) -> Estimate:
+def estimate(series: np.ndarray, *, pooled: bool = False) -> Estimate:
     """Average series (F, ...) of evenly spaced frames over their first axis; NaN are gaps.
 
     The mean is that of the frames with a value; pairs of frames with one count in the autocorrelation.
+    pooled: the series are cells of one profile, whose autocorrelation times are alike: tau of each is at least
+    the mean of all. A short series' own tau scatters, and where it comes out small the error does, too; tests over
+    many cells would find just these.
     """
     series = np.asarray(series, dtype=np.float64)
     shape = series.shape[1:]
@@ -75,13 +84,18 @@ def estimate(series: np.ndarray) -> Estimate:
     still = few | constant
     tau = np.full(frames.shape, np.nan)
     tau[~still] = integrated_time(covariance[:, ~still])
+    enough, counted = ENOUGH * tau, tau
+    if pooled and (~still).any():
+        typical = float(np.mean(tau[~still]))
+        enough, counted = np.full(tau.shape, ENOUGH_POOLED * typical), np.maximum(tau, typical)
+    tau = counted
     with np.errstate(invalid="ignore"):
         # the sample variance misses the variance of the mean itself: sigma^2 = C(0)/(1 - 2 tau/F)
         spread = 2.0 * tau / frames
         error = np.sqrt(covariance[0] * spread / np.maximum(1.0 - spread, 1.0 / np.maximum(frames, 1)))
     error[constant & ~few] = 0.0
     doubt = np.select(
-        [few, constant, frames < ENOUGH * tau], [FEW, CONSTANT, SHORT], FINE
+        [few, constant, frames < enough], [FEW, CONSTANT, SHORT], FINE
     )
     samples = frames / (2.0 * tau)
     found = {"mean": mean, "error": error, "tau": tau, "samples": samples, "frames": frames, "doubt": doubt}

@@ -40,10 +40,11 @@ def tangential_elastic_energy(ends: ContactEnds, cells: Cells, kt: float | None 
     """sum_c kt u^2/2 of linear tangential springs, J, shape (K,), shared like the normal energy.
 
     u is the spring elongation, columns ux, uy[, uz]. A state without these columns has no such
-    energy if every contact force is central (springs push sideways), and an unknown one otherwise.
+    energy if every contact force is central (springs push sideways), and an unknown one otherwise;
+    with kt = 0 it is known to have none.
     """
     contacts = recorded_contacts(cells.snapshot)
-    if not has_tangential_springs(ends, cells.snapshot):
+    if kt == 0 or not has_tangential_springs(ends, cells.snapshot):
         return cells.total(np.zeros(ends.count))
     u = vector(contacts, "u", cells.snapshot)
     stiffness = contacts["kt"] if kt is None else kt

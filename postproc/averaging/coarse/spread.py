@@ -20,8 +20,8 @@ from postproc.snapshot import Snapshot
 BLOCK = 1 << 17
 """Pairs of a point and what reaches it that are worked on at once: their arrays stay in the cache."""
 
-MOST_PAIRS = 100_000_000
-"""Beyond this the matrices (12 bytes a pair) would take gigabytes."""
+MOST_PAIRS = 50_000_000
+"""Beyond this a matrix (12 bytes a pair, four times that while it is made) would take several gigabytes."""
 
 SHORT = 1e-4
 """Part of the kernel's reach below which a segment is taken at two Gauss points: exact to 1e-12 there, where the
@@ -94,11 +94,11 @@ class Spread:
         bounds = np.stack([self._points.min(axis=0), self._points.max(axis=0)], axis=1)
         image, shift = images(ends.min(axis=0) - reach, ends.max(axis=0) + reach, bounds, self.snapshot)
         place = x[image] + shift
-        parts: list[tuple[np.ndarray, ...]] = [(np.empty(0), np.empty(0, dtype=int), np.empty(0, dtype=int))]
+        parts: list[tuple[np.ndarray, ...]] = [(np.empty(0), *np.empty((2, 0), dtype=np.int32))]
         for point, row in self._in_reach(place + l[image] / 2.0, reach + _length(l[image]) / 2.0):
             weight = value(self._points[point] - place[row], image[row])
             there = weight != 0.0
-            parts.append((weight[there], point[there], image[row][there]))
+            parts.append((weight[there], point[there].astype(np.int32), image[row[there]].astype(np.int32)))
         weight, point, column = (np.concatenate(part) for part in zip(*parts, strict=True))
         return csr_array((weight, (point, column)), shape=(len(self.at), len(x)))
 

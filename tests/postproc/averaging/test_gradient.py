@@ -45,6 +45,18 @@ def test_a_rigid_rotation_is_a_rotation_in_both_frames(crowded):
         np.testing.assert_allclose(found, np.broadcast_to(rigid, found.shape), atol=1e-12)
 
 
+@pytest.mark.parametrize(("words", "dim"), [("grid:3x4", 2), ("strips:z:4", 3)])
+def test_polar_gradients_of_other_cells_are_turned_by_the_angle_of_their_middle(states, words, dim):
+    state = states.random_contacts(11, dim, count=900)
+    x, slope = positions(state), np.random.default_rng(1).normal(size=(dim, dim))
+    cells = make_cells(words, state, frame="polar")
+    turn = polar_turn(cells.mean(x))
+    found = cells.gradient(cells.turned(x @ slope.T + 3.0))
+    np.testing.assert_allclose(found, turn @ slope @ turn.swapaxes(1, 2), atol=1e-11)
+    found = cells.gradient(x @ slope[0])
+    np.testing.assert_allclose(found, turn @ slope[0], atol=1e-11)
+
+
 def test_polar_gradients_of_rings_in_closed_form(states):
     """v_r = a + b r, v_phi = c + d r: L = (b, -v_phi/r; d, v_r/r) at the mean r of the particles."""
     state = states.random_contacts(3, 2, count=600)
