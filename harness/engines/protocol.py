@@ -136,6 +136,28 @@ class Engine(Protocol):
         """Rough expected cost, for `grainproof scene`; a measured figure with its origin in the docstring."""
 
 
+class Code(Engine, Protocol):
+    """An engine that may live elsewhere, as another version, and run on several MPI processes.
+
+    Its name says version and processes, its `word` what a user types for it: place and processes.
+    """
+
+    word: str
+    ranks: int
+
+    def at(self, place: str) -> Code:
+        """Return the code that lives at `place`; raises InputError when it does not."""
+
+    def on(self, ranks: int) -> Code:
+        """Return the same code on so many processes of this machine."""
+
+    def changes(self, system: System) -> tuple[str, ...]:
+        """Return what this version computes otherwise, as measured, than the one whose decks were proven."""
+
+    def exactly(self) -> Code:
+        """Return the same code, with its build in its name."""
+
+
 def takes(engine: Engine, system: System) -> bool:
     """Return whether the engine computes every effect of the system at least in part."""
     return not any(s.level in REFUSED for s in engine.supports(system))

@@ -39,7 +39,8 @@ class Session:
             except OSError as error:
                 raise Lost(str(error)) from error
         try:
-            self._reply()
+            self.setup_seconds = float(self._reply()["setup"])
+            """CPU time in which the child built its system."""
         except BaseException:
             self.close()
             raise

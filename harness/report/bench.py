@@ -13,6 +13,7 @@ from harness.report.tables import Answer, csv_text
 from harness.studies.bench.measure import SAME
 from harness.studies.bench.packing import TILE
 from harness.studies.bench.statistics import LEAST_COUNT, Spread, exponent, growth, ratio, spread
+from harness.studies.bench.study import OUT_OF_TIME
 
 if TYPE_CHECKING:
     from harness.studies.bench.study import Bench, Cell
@@ -44,7 +45,8 @@ PROBLEM_NOTE = (
     f"N = {TILE}; larger ones of discs are put together of mirror images (with periodic axes: repetitions) of one of "
     f"{TILE}, whose seams are then relaxed. Particles have one mass. off: rms distance of a code's positions from the "
     f"kernel's after the first steps, over the rms displacement; a code that is further off than {SAME:g} solves "
-    "another problem and is not listed as timed. steps a rebuild: of the kernel's pair list."
+    "another problem and is not listed as timed. steps a rebuild: of the kernel's pair list. took: on the "
+    "clock, with packing and set-up."
 )
 
 
@@ -88,10 +90,11 @@ CAPTION = (
 
 def summary(bench: Bench) -> str:
     """Return one line: how much was timed, where, by whom."""
+    late = f" of {len(bench.cells) + len(bench.left_out)}, then time was up" if bench.left_out else ""
     where = "not pinned" if bench.core is None else f"pinned to core {bench.core}"
     return (
-        f"{len(bench.cells)} cells, {bench.effort.rounds} interleaved rounds each, {where} of {bench.host.cpu_model}; "
-        f"{', '.join(bench.versions)} took part"
+        f"{len(bench.cells)} cells{late}, {bench.effort.rounds} interleaved rounds each, {where} of "
+        f"{bench.host.cpu_model}; {', '.join(bench.versions)} took part"
     )
 
 
@@ -171,6 +174,13 @@ def memory_rows(bench: Bench) -> list[dict]:
 def not_timed_rows(bench: Bench) -> list[dict]:
     """One row a reason: whole cases that the kernel skips, and codes that are missing from cells."""
     rows = [{"case": c, "code": "all", "status": "skipped", "N": None, "reason": r} for c, r in bench.skipped.items()]
+    late: dict[str, list[int]] = {}
+    for case, count in bench.left_out:
+        late.setdefault(case, []).append(count)
+    rows += [
+        {"case": case, "code": "all", "status": "left out", "N": ", ".join(map(str, counts)), "reason": OUT_OF_TIME}
+        for case, counts in late.items()
+    ]
     missing: dict[tuple[str, str, str, str], list[int]] = {}
     for cell in bench.cells:
         for label, track in cell.tracks.items():
@@ -225,7 +235,7 @@ def _problem_row(bench: Bench, cell: Cell) -> dict:
     return {
         "case": cell.case.name, "N": cell.count, "fraction": packing.fraction, "contacts a particle": packing.contacts,
         "unbalanced": packing.unbalanced, "steps a round": track.steps,
-        "steps a rebuild": cell.steps_made / rebuilds if rebuilds else None, **off,
+        "steps a rebuild": cell.steps_made / rebuilds if rebuilds else None, **off, "took (s)": cell.seconds,
     }
 
 

@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from harness.report import figures
+from harness.report import biaxial_panels, figures
 from harness.report.page import Figure, Section
+from harness.report.panels import panel
+from harness.report.replicates import replicate_rows, replicate_sections
 from harness.studies.compare.macro import MACRO
 from harness.studies.compare.pointwise import force_deviation
 from postproc.results import headed
@@ -20,12 +22,12 @@ SHOWN_STRAINS = (0.0, 0.011, 0.042, 0.091)
 """Axial strains of the talk's pictures: 0, 1.1, 4.2 and 9.1 per cent."""
 
 
-TABLES = ("macro", "phases", "deviation", "curves", "states", "growth")
+TABLES = ("macro", "phases", "deviation", "curves", "states", "growth", "replicates")
 
 
 def tables(comparison: Comparison) -> dict[str, list[dict]]:
     """Rows by table name: macroscopic numbers, parts of the test, curves sample by sample, state averages."""
-    rows = (macro_rows, phase_rows, deviation_rows, curve_rows, state_rows, growth_rows)
+    rows = (macro_rows, phase_rows, deviation_rows, curve_rows, state_rows, growth_rows, _replicate_rows)
     return {name: make(comparison) for name, make in zip(TABLES, rows, strict=True)}
 
 
@@ -34,16 +36,24 @@ def sections(comparison: Comparison) -> list[Section]:
     if not comparison.result.curves:
         return []
     return [
+        *replicate_sections(comparison.result.judged),
         Section(heading="Numbers of the whole test", note=MACRO_NOTE, rows=macro_page_rows(comparison)),
-        Section(heading="Stress and volume against strain", figures=(_curves(comparison),)),
+        Section(heading="Stress and volume against strain", figures=biaxial_panels.wall_panels(comparison)),
         *_agreement(comparison),
         Section(
             heading="How calm was the sample?", note=PHASE_NOTE, rows=phase_page_rows(comparison),
-            figures=(_calm(comparison),),
+            figures=biaxial_panels.calm_panels(comparison),
         ),
         *_averages(comparison),
         *_pictures(comparison),
     ]
+
+
+def overview(comparison: Comparison):
+    """Return the one picture, None when no run of the first packing completed."""
+    from harness.report.overview import overview as drawn
+
+    return drawn(comparison) if comparison.result.curves else None
 
 
 MACRO_NOTE = (
@@ -157,6 +167,10 @@ def state_rows(comparison: Comparison) -> list[dict]:
     ]
 
 
+def _replicate_rows(comparison: Comparison) -> list[dict]:
+    return replicate_rows(comparison.result.judged)
+
+
 def growth_rows(comparison: Comparison) -> list[dict]:
     """One row a pair and frame."""
     return [
@@ -168,91 +182,39 @@ def growth_rows(comparison: Comparison) -> list[dict]:
 # --- figures -----------------------------------------------------------------------------------
 
 
-LABELS = {
-    "stress_zz": "σ_zz (N/m)", "friction_angle": "secant friction angle (°)",
-    "volume_strain": "ε_V (compression > 0)",
-}
-
-
-def _curves(comparison: Comparison) -> Figure:
-    figure, axes = figures.new_figure(1, 3, width=13, height=3.8)
-    for a, (quantity, label) in zip(axes[0], LABELS.items(), strict=True):
-        figures.draw_curves(a, comparison.result.curves, quantity, label)
-    axes[0, 0].legend(fontsize=7)
-    return Figure(uri=figures.png_uri(figure), caption=(
-        "Axial stress, mobilised friction angle and volume strain against axial strain, every engine from the same "
-        "packing. Curves lie on top of each other until chaos separates the runs."
-    ))
-
-
 def _agreement(comparison: Comparison) -> list[Section]:
     """Nothing when no pair of engines completed."""
-    if not comparison.result.growth:
+    growth = comparison.result.growth
+    if not growth:
         return []
-    rows, figures_ = deviation_rows(comparison), (_growth(comparison),)
-    return [Section(heading="Do the codes agree?", note=DEVIATION_NOTE, rows=rows, figures=figures_)]
+    shown = (
+        panel(lambda axes: figures.draw_growth(axes, growth), "How positions part, from identical numbers at time 0."),
+        panel(lambda axes: figures.draw_signal_deviation(axes, comparison), FORCE_CAPTION),
+    )
+    return [Section(heading="Do the codes agree?", note=DEVIATION_NOTE, rows=deviation_rows(comparison), figures=shown)]
 
 
-def _growth(comparison: Comparison) -> Figure:
-    figure, axes = figures.new_figure(1, 2, width=12, height=4)
-    figures.draw_growth(axes[0, 0], comparison.result.growth)
-    figures.draw_force_deviation(axes[0, 1], comparison)
-    return Figure(uri=figures.png_uri(figure), caption=(
-        "Left: how positions part, from identical numbers at time 0. Right: the same in the force on the top wall; "
-        "short horizontal bars are the declared checks (tolerance up to that strain, and for which pairs)."
-    ))
-
-
-def _calm(comparison: Comparison) -> Figure:
-    shown = _available(comparison, ("kinetic over elastic energy", "largest residual force"))
-    figure, axes = figures.new_figure(1, 1 + len(shown), width=4.4 * (1 + len(shown)), height=3.6)
-    result = comparison.result
-    figures.draw_curves(axes[0, 0], result.curves, "control_error", "(F_x - p_x z)/(p_x z) (%)", scale=100.0)
-    axes[0, 0].legend(fontsize=7)
-    for a, quantity in zip(axes[0, 1:], shown, strict=True):
-        figures.draw_states(a, result.states, quantity)
-        if any((s.values[quantity] > 0).any() for s in result.states.values()):
-            a.set_yscale("log", nonpositive="mask")
-    return Figure(uri=figures.png_uri(figure), caption=(
-        "Error of the stress-controlled side wall; with recorded contacts also kinetic over elastic energy, and the "
-        "largest net force on a particle over the mean contact force. After the peak the sample deforms in bursts and "
-        "is not quasi-static."
-    ))
-
-
-AVERAGES = (
-    "volume fraction, inner", "coordination number, inner",
-    "coordination number without rattlers, inner",
-    "fabric deviator, inner", "friction angle, inner", "sigma_zz from contacts",
+FORCE_CAPTION = (
+    "The same in the force on the top wall; horizontal bars are the declared checks: tolerance up to that strain, and "
+    "for which pairs."
 )
 
 
 def _averages(comparison: Comparison) -> list[Section]:
-    shown = _available(comparison, AVERAGES)
-    if not shown:
-        return []
-    figure, axes = figures.new_figure(-(-len(shown) // 3), 3, width=13, height=3.3 * -(-len(shown) // 3))
-    for a, quantity in zip(axes.ravel(), shown, strict=False):
-        figures.draw_states(a, comparison.result.states, quantity)
-    for a in axes.ravel()[len(shown):]:
-        a.axis("off")
-    axes[0, 0].legend(fontsize=7)
-    caption = (
-        "Averages of the independent post-processor from particles and contacts; \"inner\" leaves out a border layer."
-    )
-    picture = Figure(uri=figures.png_uri(figure), caption=caption)
-    return [Section(heading="Micro-macro averages", note=_absent(comparison), figures=(picture,))]
+    shown = biaxial_panels.average_panels(comparison)
+    note = " ".join(filter(None, (AVERAGE_NOTE, _absent(comparison))))
+    return [Section(heading="Micro-macro averages", note=note, figures=shown)] if shown else []
+
+
+AVERAGE_NOTE = (
+    'Averages of the independent post-processor from particles and contacts; "inner" leaves out a border layer.'
+)
 
 
 def _absent(comparison: Comparison) -> str:
     """Say which quantities the frames cannot give, and why."""
     reasons = {q: why for s in comparison.result.states.values() for q, why in s.absent.items()}
     return "".join(f"Not available: {q}, as {why}. " for q, why in reasons.items()).strip()
-
-
-def _available(comparison: Comparison, quantities: tuple[str, ...]) -> list[str]:
-    """Return the quantities that every engine's frames can give."""
-    return [q for q in quantities if all(q in s.values for s in comparison.result.states.values())]
 
 
 def _pictures(comparison: Comparison) -> list[Section]:

@@ -8,13 +8,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from harness.errors import InputError
-from harness.report import biaxial, figures, free
-from harness.report.page import Section, render_page
+from harness.report import biaxial, couette, figures, free
+from harness.report.campaign import closing_sections, opening_sections
+from harness.report.junit import junit_xml
+from harness.report.page import render_page
+from harness.report.places import PLACES, place_rows, place_sections
 from harness.report.tables import Answer, csv_text
-from harness.scene.model import Biaxial
+from harness.scene.model import Biaxial, Couette, Free
 
 if TYPE_CHECKING:
     from harness.studies.compare.study import Comparison, Run
+
+KINDS = {Biaxial: biaxial, Couette: couette, Free: free}
+"""The modules that know a kind of scene's tables (names in TABLES), sections and overview."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Written:
@@ -29,12 +36,16 @@ class Written:
 def compare_answer(comparison: Comparison) -> Answer:
     """Return runs and verdicts for people, and everything for programs."""
     tables = {"Runs": run_rows(comparison), "Verdicts": check_rows(comparison)}
+    places = place_rows(comparison.words)
+    if places:
+        tables[PLACES] = places
     return Answer(tables=tables, data=report_data(comparison))
 
 
 def write_report(comparison: Comparison, out: Path) -> Written:
-    """Write report.html, report.json, CSV tables and, for a box, overview.png into `out`; each whole or not at all.
+    """Write report.html, report.json, junit.xml, CSV tables and, for a box or a ring, overview.png into `out`.
 
+    Each is written whole or not at all.
     All hold the same numbers: the page with three digits, the others with all. What the page leaves out
     is in the others.
     """
@@ -43,27 +54,31 @@ def write_report(comparison: Comparison, out: Path) -> Written:
     out.mkdir(parents=True, exist_ok=True)
     tables = {"checks": check_rows(comparison), "runs": run_rows(comparison), **_kind(comparison).tables(comparison)}
     sections = [
-        Section(heading="Verdicts", note=VERDICT_NOTE, rows=tables["checks"]),
-        Section(heading="Runs", note=RUN_NOTE, rows=tables["runs"]),
+        *opening_sections(comparison.checks, comparison.all_runs),
         *_kind(comparison).sections(comparison),
-        Section(heading="Reproduce", text="\n".join(_reproduce(comparison))),
+        *closing_sections(
+            comparison.all_runs, check_rows=tables["checks"], run_rows=tables["runs"],
+            between=place_sections(comparison.words),
+        ),
     ]
     page = render_page(title=comparison.scene.title, lead=f"{summary(comparison)}.", sections=sections)
     for name, rows in tables.items():
         write_text_atomic(out / f"{name}.csv", csv_text(rows))
     write_json_atomic(out / DATA, report_data(comparison))
     write_text_atomic(out / PAGE, page)
+    write_text_atomic(out / JUNIT, _junit(comparison))
     files = tuple(out / f"{name}.csv" for name in tables)
     picture = _write_picture(comparison, out / PICTURE)
     return Written(page=out / PAGE, data=out / DATA, tables=files, picture=picture)
 
 
-PICTURE, PAGE, DATA = "overview.png", "report.html", "report.json"
+PICTURE, PAGE, DATA, JUNIT = "overview.png", "report.html", "report.json", "junit.xml"
 
 
 def check_report_places(out: Path) -> None:
     """Raise InputError when a folder stands where a file of the report goes: before anything is run."""
-    names = (PICTURE, PAGE, DATA, *(f"{name}.csv" for name in ("checks", "runs", *biaxial.TABLES, *free.TABLES)))
+    tables = ("checks", "runs", *(name for kind in KINDS.values() for name in kind.TABLES))
+    names = (PICTURE, PAGE, DATA, JUNIT, *(f"{name}.csv" for name in tables))
     for place in (out / name for name in names):
         if place.is_dir():
             raise InputError(
@@ -73,27 +88,15 @@ def check_report_places(out: Path) -> None:
 
 
 def _write_picture(comparison: Comparison, path: Path) -> Path | None:
-    """Write the one picture of a box comparison; other scenes, and failed ones, have none."""
-    from harness.report.overview import overview
+    """Write the one picture of a comparison, if its kind has one and a run of the first packing completed."""
     from harness.runs.atomic import write_bytes_atomic
 
-    if not isinstance(comparison.scene, Biaxial) or not comparison.result.curves:
+    figure = _kind(comparison).overview(comparison)
+    if figure is None:
         path.unlink(missing_ok=True)
         return None
-    write_bytes_atomic(path, figures.png_bytes(overview(comparison), dpi=80))
+    write_bytes_atomic(path, figures.png_bytes(figure, dpi=80))
     return path
-
-
-VERDICT_NOTE = (
-    "agrees / differs: a declared tolerance was met or not. inconclusive: the data cannot decide, for example one "
-    "packing after chaos has set in. not_checked: there was nothing to check, which is never a pass. Levels: L1 "
-    "collision, L2 trajectory until chaos, L3 statistics over packings, run: a property that one run must have."
-)
-RUN_NOTE = (
-    "CPU time of the engine's own process, set-up and output included; runs shared this machine, so compare "
-    "times only roughly. CPU per step is that time over the steps. An engine that failed or is missing is listed "
-    "with its reason."
-)
 
 
 def check_rows(comparison: Comparison) -> list[dict]:
@@ -107,7 +110,7 @@ def check_rows(comparison: Comparison) -> list[dict]:
 
 def run_rows(comparison: Comparison) -> list[dict]:
     """One row a run: what became of it and what it cost."""
-    return [_run_row(r) for r in comparison.runs]
+    return [_run_row(r) for r in comparison.all_runs]
 
 
 def _run_row(run: Run) -> dict:
@@ -130,8 +133,8 @@ def report_data(comparison: Comparison) -> dict:
         "exit_status": comparison.exit_status,
         "summary": summary(comparison),
         "checks": [asdict(c) for c in comparison.checks],
-        "runs": [msgspec.to_builtins(r.outcome) for r in comparison.runs],
-        "tables": _kind(comparison).tables(comparison),
+        "runs": [msgspec.to_builtins(r.outcome) for r in comparison.all_runs],
+        "tables": {"runs": run_rows(comparison), **_kind(comparison).tables(comparison)},
     }
 
 
@@ -146,7 +149,7 @@ def summary(comparison: Comparison) -> str:
     """Return one line: how large, how many runs, which engines are missing, how many verdicts of each kind."""
     counts = Counter(c.verdict for c in comparison.checks)
     verdicts = ", ".join(f"{n} {v.replace('_', ' ')}" for v, n in counts.items()) or "none could be made"
-    failed = {r.engine: r.outcome.status for r in comparison.runs if r.trajectory is None}
+    failed = {r.engine: r.outcome.status for r in comparison.all_runs if r.trajectory is None}
     without = "".join(f", {engine} {FAILED[status]}" for engine, status in failed.items())
     system = comparison.starts[0].system
     return (
@@ -155,11 +158,11 @@ def summary(comparison: Comparison) -> str:
     )
 
 
-def _reproduce(comparison: Comparison) -> list[str]:
-    made = [r for r in comparison.runs if r.outcome.reproduce]
-    return [f"# {r.engine}, packing {r.packing + 1}\n{r.outcome.reproduce}" for r in made]
+def _junit(comparison: Comparison) -> str:
+    name = comparison.scene_file.stem
+    return junit_xml(name=name, summary=summary(comparison), checks=comparison.checks, runs=comparison.all_runs)
 
 
 def _kind(comparison: Comparison):
     """The module that knows this kind of scene's figures and tables."""
-    return biaxial if isinstance(comparison.scene, Biaxial) else free
+    return KINDS[type(comparison.scene)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from harness.engines.protocol import Support
+from harness.engines.protocol import Engine, Support
 from harness.engines.registry import ENGINES, KERNEL_PREFIX
 from harness.report.asked import hard_cases, ordinary_cases
 from harness.report.parts import Judged, levels_in_words
@@ -26,24 +26,27 @@ class Judgement:
     support: Support
 
 
-def engines_answer() -> Answer:
-    """Return what is installed, the support matrix with its notes, the known limits and the known defects."""
+def engines_answer(more: Sequence[Engine] = ()) -> Answer:
+    """Return what is installed, the support matrix with its notes, the known limits and the known defects.
+
+    more: engines besides the registry's, other versions of its codes, for which the rows of the code hold.
+    """
     judged = [
         Judgement(engine=n, system=system, support=s)
         for n, e in ENGINES.items() for system in ordinary_cases() for s in e.supports(system)
     ]
     rows = {
-        "engines": engine_rows(), "support": support_rows(judged), "notes": note_rows(judged), "limits": limit_rows(),
-        "defects": defect_rows(),
+        "engines": engine_rows(more), "support": support_rows(judged), "notes": note_rows(judged),
+        "limits": limit_rows(), "defects": defect_rows(),
     }
     titles = ("Engines", "What each engine does with each effect", "How it does it", "Known limits", "Known defects")
     shown = {name: _kernels_as_one(table) if name == "support" else table for name, table in rows.items()}
     return Answer(tables=dict(zip(titles, shown.values(), strict=True)), data=rows, prose=True)
 
 
-def engine_rows() -> list[dict]:
+def engine_rows(more: Sequence[Engine] = ()) -> list[dict]:
     """One row an engine: is it here, which version, where or how to get it."""
-    probes = {name: engine.probe() for name, engine in ENGINES.items()}
+    probes = {e.name: e.probe() for e in (*ENGINES.values(), *more)}
     return [
         {"engine": n, "here": "yes" if p.available else "no", "version": p.version or None, "detail": p.detail}
         for n, p in probes.items()

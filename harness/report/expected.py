@@ -61,10 +61,12 @@ def expected_comparison(
     Engines that are missing or would refuse the system are not run. Packings are made one after the other.
     """
     from harness.runs.outcome import usable_cores
+    from harness.studies.compare.replicates import responder
     from harness.studies.compare.study import distinct_engines
 
     able = [e for e in distinct_engines(tuple(engines), scene) if e.probe().available and takes(e, system)]
-    costs = [run_seconds(e, system) for e in able] * starts
+    kicked = responder(scene, able)
+    costs = [run_seconds(e, system) for e in able] * starts + ([run_seconds(kicked, system)] if kicked else [])
     at_once = max(1, min(workers or usable_cores(), len(costs)))
     packings = starts if needs_packing(scene) else 0
     return Expected(

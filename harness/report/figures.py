@@ -72,31 +72,36 @@ def draw_states(axes, states: Mapping[str, StateCurves], quantity: str) -> None:
 
 def draw_growth(axes, growth: Mapping[str, Growth]) -> None:
     """Draw rms differences between runs against time, logarithmic; exact zeros cannot be shown."""
+    unit, scale = ("s", 1.0) if max(float(g.time[-1]) for g in growth.values()) > 1.0 else ("ms", 1e3)
     for name, g in growth.items():
         shown = g.difference > 0
-        axes.semilogy(1e3 * g.time[shown], g.difference[shown], marker=".", ms=3, lw=1, label=name)
-    axes.set_xlabel("time (ms)")
+        axes.semilogy(scale * g.time[shown], g.difference[shown], marker=".", ms=3, lw=1, label=name)
+    axes.set_xlabel(f"time ({unit})")
     axes.set_ylabel("rms |Δx| / mean diameter")
     axes.grid(alpha=0.3, which="both")
     axes.legend(fontsize=7)
 
 
-def draw_force_deviation(axes, comparison: Comparison) -> None:
-    """Draw every pair's relative difference of the top-wall force, and the declared windows as bars."""
-    from harness.studies.compare.pointwise import force_deviation
+def draw_signal_deviation(axes, comparison: Comparison, *, left: float = 1e-4) -> None:
+    """Draw every pair's relative difference of the signal that is followed, and the declared windows as bars.
 
-    curves = comparison.result.curves
+    left: where the axis of the places begins, in its unit.
+    """
+    from harness.studies.compare.signal import signal_deviation
+
+    signals = {e: c.signal for e, c in comparison.result.curves.items()}
     for p in comparison.result.pairs:
-        if not p.missing(curves):
-            a, b = curves[p.left], curves[p.right]
-            deviation = np.maximum(force_deviation(a, b)[1:], 1e-17)
-            axes.loglog(100 * a.strain[1:], deviation, lw=0.9, label=p.name)
+        if not p.missing(signals):
+            a, b = signals[p.left], signals[p.right]
+            deviation = np.maximum(signal_deviation(a, b)[1:], 1e-17)
+            axes.loglog(a.scale * a.place[1:], deviation, lw=0.9, label=p.name)
+    any_ = next(iter(signals.values()))
     for w in comparison.scene.compare.windows:
-        axes.plot([1e-4, 100 * w.strain], [w.tolerance] * 2, color="#444444", lw=2, alpha=0.6)
-        axes.text(1.3e-4, 1.3 * w.tolerance, w.pairs.replace("_", " "), fontsize=7, color="#444444")
-    axes.set_xlim(left=1e-4)
-    axes.set_xlabel("axial strain (%)")
-    axes.set_ylabel("relative difference of top force")
+        axes.plot([left, any_.scale * w.limit], [w.tolerance] * 2, color="#444444", lw=2, alpha=0.6)
+        axes.text(1.3 * left, 1.3 * w.tolerance, w.pairs.replace("_", " "), fontsize=7, color="#444444")
+    axes.set_xlim(left=left)
+    axes.set_xlabel(any_.axis)
+    axes.set_ylabel(f"relative difference of the {any_.quantity}")
     axes.grid(alpha=0.3)
     axes.legend(fontsize=7)
 

@@ -33,6 +33,10 @@ def sections(comparison: Comparison) -> list[Section]:
     ]
 
 
+def overview(comparison: Comparison) -> None:  # noqa: ARG001
+    """Free scenes have no one picture."""
+
+
 COLLISION_NOTE = (
     "Read off the recorded frames, begin and end interpolated linearly, so frame spacing limits their accuracy. "
     "A negative partner is a wall."

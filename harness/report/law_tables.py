@@ -28,9 +28,9 @@ def tables(result: LawsResult) -> dict[str, list[dict]]:
     """Rows by table name: what the CSV files hold."""
     return {
         "prescribed": cell_rows(result.prescribed), "collisions": cell_rows(result.collisions),
-        "codes": direct_rows(result), "friction": reach_rows(result), "exits": exit_rows(result),
-        "checks": check_rows(result.checks), "frames": frame_rows(result), "invariance": invariance_rows(result),
-        "missing": missing_rows(result), "failed": failed_rows(result), "allowances": allowance_rows(result),
+        "codes": direct_rows(result), "codes_why": reason_rows(result), "friction": reach_rows(result),
+        "exits": exit_rows(result), "checks": check_rows(result.checks), "frames": frame_rows(result),
+        "invariance": invariance_rows(result), "missing": missing_rows(result), "failed": failed_rows(result),
     }
 
 
@@ -80,26 +80,45 @@ def cell_rows(cells: Iterable[Cell]) -> list[dict]:
 # --- codes against each other ----------------------------------------------------------------------
 
 
+COLLISIONS = "collisions"
+
+
 def direct_rows(result: LawsResult) -> list[dict]:
-    """One row a combination that two codes compute: how far apart they are in each motion, and why."""
+    """One row a combination that two codes compute: how far apart they are in each motion and in collisions."""
     found: dict[tuple[str, str, str], list[DirectCheck]] = {}
-    for c in result.checks:
-        if isinstance(c, DirectCheck):
-            found.setdefault((c.laws, c.left, c.right), []).append(c)
-    motions = dict.fromkeys(c.what for checks in found.values() for c in checks)
+    for c in _direct(result):
+        found.setdefault((c.laws, c.left, c.right), []).append(c)
+    motions = dict.fromkeys(_motion(c) for checks in found.values() for c in checks)
     return [_direct_row(key, of, motions) for key, of in found.items()]
 
 
 def _direct_row(key: tuple[str, str, str], checks: list[DirectCheck], motions: Iterable[str]) -> dict:
-    by_motion = {c.what: c for c in checks}
-    known = [c for c in checks if c.verdict == "known_difference"]
+    largest: dict[str, float] = {}
+    for c in checks:
+        largest[_motion(c)] = max(largest.get(_motion(c), 0.0), c.deviation)
     offs = [c.off for c in checks if c.off is not None]
     return {
-        "laws": key[0], "codes": f"{key[1]} - {key[2]}",
-        **{m: by_motion[m].deviation if m in by_motion else None for m in motions},
-        "off what the conventions differ by": max(offs, default=None),
-        "why": known[0].why.rpartition("; ")[0] if known else None,
+        "laws": key[0], "codes": f"{key[1]} - {key[2]}", **{m: largest.get(m) for m in motions},
+        "unexplained": max(offs, default=None),
     }
+
+
+def _direct(result: LawsResult) -> list[DirectCheck]:
+    return [c for c in result.checks if isinstance(c, DirectCheck)]
+
+
+def _motion(check: DirectCheck) -> str:
+    """Places, velocities and spins of collisions stand together: the largest counts."""
+    return COLLISIONS if check.what.startswith(COLLISIONS) else check.what
+
+
+def reason_rows(result: LawsResult) -> list[dict]:
+    """One row a choice in which two codes differ, with the combinations of laws that it matters to."""
+    about: dict[tuple[str, str], dict[str, None]] = {}
+    for c in _direct(result):
+        for reason in c.reasons if c.verdict == "known_difference" else ():
+            about.setdefault((f"{c.left} - {c.right}", reason), {})[c.laws] = None
+    return [{"codes": codes, "differ in": reason, "laws": ", ".join(laws)} for (codes, reason), laws in about.items()]
 
 
 def reach_rows(result: LawsResult) -> list[dict]:
@@ -175,6 +194,26 @@ def _frame_row(engine: str, reason: str, checks: list[FrameCheck]) -> dict:
     }
 
 
+def short_frame_rows(result: LawsResult) -> list[dict]:
+    """One row a reason, with the engines and motions that it is about, for people."""
+    found: dict[str, list[FrameCheck]] = {}
+    for c in result.checks:
+        if isinstance(c, FrameCheck) and c.reason:
+            found.setdefault(c.reason, []).append(c)
+    return [_short_frame_row(reason, of) for reason, of in found.items()]
+
+
+def _short_frame_row(reason: str, checks: list[FrameCheck]) -> dict:
+    largest = max(checks, key=lambda c: c.deviation)
+    return {
+        "reason": reason, "engines": ", ".join(dict.fromkeys(c.left for c in checks)),
+        "motions": ", ".join(dict.fromkeys(c.quantity.partition(": ")[2] for c in checks)),
+        "change": largest.deviation,
+        "expected": f"{'' if largest.predicted else 'at most '}{largest.tolerance:.3g}",
+        "off that": max(c.off for c in checks),
+    }
+
+
 # --- what there is not -----------------------------------------------------------------------------
 
 
@@ -198,14 +237,6 @@ def missing_rows(result: LawsResult) -> list[dict]:
     return [
         {"engine": engine, "shown": shown, "laws": ", ".join(dict.fromkeys(laws)), "why": why}
         for (engine, shown, why), laws in about.items()
-    ]
-
-
-def allowance_rows(result: LawsResult) -> list[dict]:
-    """One row a tolerance that a combination of laws declares for an engine."""
-    return [
-        {"laws": each.name, "engine": engine, "tolerance": a.tolerance, "reason": a.reason}
-        for each in result.laws for engine, a in each.allowances.items() if engine in result.engines
     ]
 
 

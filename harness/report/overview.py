@@ -23,7 +23,7 @@ def overview(comparison: Comparison):
     axes[0, 0].legend(fontsize=7)
     figures.draw_curves(axes[0, 1], comparison.result.curves, "volume_strain", "ε_V (compression > 0)")
     if comparison.result.growth:
-        figures.draw_force_deviation(axes[0, 2], comparison)
+        figures.draw_signal_deviation(axes[0, 2], comparison)
     else:
         axes[0, 2].axis("off")
     for a, run in zip(axes[1], runs, strict=False):

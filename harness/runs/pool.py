@@ -18,10 +18,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from harness.engines.child import children_stopped
+from harness.runs.cores import Cores, cores_for
 from harness.runs.execute import run_one
 from harness.runs.folder import RunFolder, require_root
 from harness.runs.native import NativePolicy
-from harness.runs.outcome import Outcome, describe_outcome, usable_cores
+from harness.runs.outcome import Outcome, describe_outcome, host_facts, usable_cores
 from harness.runs.progress import Progress, Silent
 
 if TYPE_CHECKING:
@@ -81,7 +82,8 @@ def run_many(
 ) -> list[Done]:
     """Run all jobs (label, engine, system) by `run_one`; return what became of them in the order given.
 
-    workers: how many at a time, the number of usable cores unless given; an `executor` has its own.
+    workers: how many processes at a time, the number of usable cores unless given; a run of several MPI processes
+    takes as many places. An `executor` has its own.
     progress: see `harness.runs.progress.progress_for`; nothing is shown without.
 
     On an interrupt (Ctrl-C, SIGTERM, SIGHUP) nothing more is started, engines are killed and their
@@ -94,13 +96,15 @@ def run_many(
     require_root(Path(root))
     plan = _plan([Job(*job) for job in jobs], Path(root))
     progress = progress or Silent()
+    host_facts()  # of the machine, not of the core that a thread may be pinned to
     workers = max(1, min(workers or usable_cores(), len(plan)))
     futures: dict[Future, _Planned] = {}
     with terminable(), nullcontext(executor) if executor else ThreadPoolExecutor(workers) as pool:
         try:
             progress.begin([p.job.label for p in plan], [p.cost for p in plan])
+            cores = None if executor else cores_for(workers)
             for p in sorted(plan, key=lambda p: -p.cost):
-                futures[_submit(pool, p, root, time_limit=time_limit, force=force, native=native)] = p
+                futures[_submit(pool, cores, p, root, time_limit=time_limit, force=force, native=native)] = p
             _watch(futures, progress)
         except BaseException:
             _stop(futures)
@@ -127,8 +131,16 @@ def _plan(jobs: list[Job], root: Path) -> list[_Planned]:
     ]
 
 
-def _submit(pool: Executor, planned: _Planned, root: Path, **options) -> Future:
-    return pool.submit(run_one, planned.job.engine, planned.job.system, root, probe=planned.probe, **options)
+def _submit(pool: Executor, cores: Cores | None, planned: _Planned, root: Path, **options) -> Future:
+    """Submit to an executor of somebody else, or to our threads, where a run waits for its cores."""
+    work = (planned.job.engine, planned.job.system, root)
+    options["probe"] = planned.probe
+    return pool.submit(run_one, *work, **options) if cores is None else pool.submit(_run_on, cores, *work, **options)
+
+
+def _run_on(cores: Cores, engine: Engine, *work, **options) -> tuple[Outcome, Path]:
+    with cores.taken(getattr(engine, "ranks", 1)):
+        return run_one(engine, *work, **options)
 
 
 def _watch(futures: dict[Future, _Planned], progress: Progress) -> None:

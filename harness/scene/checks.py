@@ -117,6 +117,16 @@ def windows_within_strain(scene: Biaxial) -> Iterator[Fault]:
             )
 
 
+def strains_within_strain(scene: Biaxial) -> Iterator[Fault]:
+    """Quantities are compared at strains that the run reaches, in rising order."""
+    strains = scene.compare.strains
+    if list(strains) != sorted(set(strains)) or any(s > scene.top.final_strain for s in strains):
+        yield Fault(
+            place="compare.strains", got=show(strains),
+            expected=f"rising numbers up to top.final_strain = {scene.top.final_strain:g}",
+        )
+
+
 def plateau_within_strain(scene: Biaxial) -> Iterator[Fault]:
     """A plateau is a range of strains that the run reaches."""
     if scene.compare.plateau is None:
@@ -294,7 +304,7 @@ CHECKS: dict[type, tuple[Check, ...]] = {
     Biaxial: (
         *OF_CONTACTS, packing_can_be_relaxed, pressures_leave_grains_apart,
         particles_given_once, radii_in_order, one_packing_of_a_file, windows_within_strain,
-        plateau_within_strain, published_values_exist,
+        plateau_within_strain, published_values_exist, strains_within_strain,
     ),
     Couette: (*OF_CONTACTS, *OF_RINGS),
     Free: (

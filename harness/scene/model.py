@@ -107,7 +107,7 @@ class Outputs(Table):
 class Window(Table):
     """A declared pointwise check: up to `strain` two codes' top-wall forces differ by <= `tolerance`.
 
-    `pairs` is "same_conventions" (an engine and the kernel in that engine's conventions) or
+    `pairs` is "same_conventions" (an engine and the kernel in that engine's conventions, or two versions of it) or
     "codes" (LAMMPS and LIGGGHTS, each with its own).
     """
 
@@ -120,15 +120,30 @@ class Window(Table):
         """Axial strain at which the window ends."""
         return self.strain
 
+    @property
+    def says(self) -> str:
+        """What is followed, and how far."""
+        return f"top-wall force up to {100 * self.strain:g} % strain"
+
 
 MOST_PACKINGS = 1000
 """Of one comparison: an error bar over a thousand packings is 3 % of their spread; more is a slip."""
 
 
 class Compare(Table):
-    """What `grainproof compare` judges; never part of a run's hash."""
+    """What `grainproof compare` judges; never part of a run's hash.
+
+    `packings` are made unless a command asks otherwise, `replicates` when it asks for replicates without a number. Over
+    replicates quantities are judged that belong to the peak, to the `plateau` and to `strains`: with a probability of
+    `false_alarms` any of equal codes is said to differ anywhere; codes agree whose difference is shown to be smaller
+    than `margin` of the quantity (of a volume strain: of the axial strain).
+    """
 
     packings: Annotated[int, Meta(ge=1, le=MOST_PACKINGS)] = 1
+    replicates: Annotated[int, Meta(ge=2, le=MOST_PACKINGS)] | None = None
+    false_alarms: Annotated[float, Meta(gt=0, le=0.5)] = 0.05
+    margin: Annotated[float, Meta(gt=0, le=1)] = 0.05
+    strains: tuple[Positive, ...] = ()
     windows: tuple[Window, ...] = ()
     plateau: Annotated[tuple[float, float], Meta(description="two numbers, a range of strains")] | None = None
     published: tuple[str, ...] = ()
@@ -259,18 +274,25 @@ class TimeWindow(Table):
         """Time at which the window ends, s."""
         return self.time
 
+    @property
+    def says(self) -> str:
+        """What is followed, and how far."""
+        return f"torque on the inner ring up to {self.time:g} s"
+
 
 class RingCompare(Table):
     """What `grainproof compare` judges on a ring; never part of a run's hash.
 
     Profiles are averages over the frames from `steady_from` (s) on, in `cells` concentric rings; `band` is the distance
-    from the inner ring (m) up to which the velocity is fitted by v_0 exp(-(r - R_i)/s).
+    from the inner ring (m) up to which the velocity is fitted by v_0 exp(-(r - R_i)/s). `packings` and `replicates` as
+    in `Compare`.
     """
 
     steady_from: NonNegative
     band: Positive
     cells: Annotated[int, Meta(ge=2, le=1000)] = 20
     packings: Annotated[int, Meta(ge=1, le=MOST_PACKINGS)] = 1
+    replicates: Annotated[int, Meta(ge=2, le=MOST_PACKINGS)] | None = None
     windows: tuple[TimeWindow, ...] = ()
 
 

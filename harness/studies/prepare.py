@@ -47,7 +47,7 @@ def start_count(scene: Scene, packings: int | None) -> int:
 
     Raises InputError for too many, and for several of a scene whose particles are not drawn at random.
     """
-    several = needs_packing(scene) and not _of_a_file(scene)
+    several = draws_packings(scene)
     if not several and packings not in (None, 1):
         raise InputError(
             file="--packings", expected="1, as this scene's particles are not drawn at random", got=packings
@@ -57,8 +57,9 @@ def start_count(scene: Scene, packings: int | None) -> int:
     return (packings or scene.compare.packings) if several else 1
 
 
-def _of_a_file(scene: Biaxial | Couette) -> bool:
-    return isinstance(scene, Biaxial) and scene.particles.packing is not None
+def draws_packings(scene: Scene) -> bool:
+    """Whether another seed gives another packing: particles are drawn at random, and not from a file."""
+    return needs_packing(scene) and not (isinstance(scene, Biaxial) and scene.particles.packing is not None)
 
 
 def _packed(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -34,7 +35,8 @@ class SingleRun:
 
 
 def single_run(
-    scene_file: Path, engine: Engine, out: Path, *, time_limit: float, progress: Callable[[], Progress] | None = None
+    scene_file: Path, engine: Engine, out: Path, *, time_limit: float, progress: Callable[[], Progress] | None = None,
+    executor: Executor | None = None,
 ) -> SingleRun:
     """Run a scene's first packing on one engine below ``out/runs``.
 
@@ -45,7 +47,8 @@ def single_run(
     scene = load_scene(scene_file)
     system = prepare(scene, scene_file, packings=1, cache=out / "packings", progress=progress)[0].system
     (done,) = run_many(
-        [(engine.name, engine, system)], runs_root(out), time_limit=time_limit, progress=progress and progress()
+        [(engine.name, engine, system)], runs_root(out), time_limit=time_limit, progress=progress and progress(),
+        executor=executor,
     )
     completed = done.outcome.status == "completed"
     return SingleRun(

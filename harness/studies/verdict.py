@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
@@ -37,7 +37,7 @@ class Check:
 
 @dataclass(frozen=True, kw_only=True)
 class Rerun:
-    """The command that repeats a comparison for some of its engines.
+    """The command that repeats a comparison for some of its engines. words: what a user types, by engine's name.
 
     >>> Rerun(scene_file=Path("my scene.toml"), out=Path("out"), packings=None)("lammps", "liggghts")
     "grainproof compare 'my scene.toml' --engines lammps,liggghts --out out"
@@ -46,11 +46,15 @@ class Rerun:
     scene_file: Path
     out: Path
     packings: int | None
+    words: Mapping[str, str] = field(default_factory=dict)
+    replicates: int | None = None
 
     def __call__(self, *engines: str) -> str:
-        """Return the command, quoted for a shell."""
-        words = ["grainproof", "compare", str(self.scene_file), "--engines", ",".join(engines), "--out", str(self.out)]
-        return shlex.join([*words, "--packings", str(self.packings)] if self.packings else words)
+        """Return the command, quoted for a shell. engines: their names in tables."""
+        typed = ",".join(self.words.get(name, name) for name in engines)
+        words = ["grainproof", "compare", str(self.scene_file), "--engines", typed, "--out", str(self.out)]
+        counts = {"--packings": self.packings, "--replicates": self.replicates}
+        return shlex.join([*words, *(w for option, n in counts.items() if n for w in (option, str(n)))])
 
 
 def judged(*, deviation: float, tolerance: float, why: str, rerun: str, **facts) -> Check:

@@ -12,6 +12,9 @@ SPANS = 1e-12
 """Least over largest moment of the positions in a cell below which they do not span the space: three orders
 above what rounding makes of points on a line, far below what a packing has (1e-2 and more)."""
 
+APART = 1e-12
+"""The same for their distance from the mean, over the largest coordinate: a single layer of discs has no slope in r."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Fit:
@@ -46,7 +49,7 @@ def affine_fit(*, cell: np.ndarray, row: np.ndarray, weight: np.ndarray, x: np.n
 
     cell, row, weight: (n,); x: (n, dims); count: K. The normal equations of moments about the means:
     slope = (sum w q (x - place)) . (sum w (x - place) (x - place))^-1. Exact for affine q. NaN where the positions
-    of a cell do not span the space (fewer than dims + 1 particles, or all in one line), and everything NaN in an
+    of a cell do not span the space (fewer than dims + 1 particles, or all in one line or one layer), and everything NaN in an
     empty cell.
     """
     total = grouped_sum(weight, cell, count)
@@ -56,15 +59,16 @@ def affine_fit(*, cell: np.ndarray, row: np.ndarray, weight: np.ndarray, x: np.n
     place[np.isnan(total)] = np.nan
     dx = x - place[cell]
     weighted = share[:, None] * dx
-    inverse = _inverse(grouped_sum(weighted[:, :, None] * dx[:, None, :], cell, count))
+    moments = grouped_sum(weighted[:, :, None] * dx[:, None, :], cell, count)
+    inverse = _inverse(moments, least=(APART * np.abs(x).max(initial=0.0)) ** 2)
     slant = np.einsum("nab,nb->na", inverse[cell], weighted)
     return _known(Fit(cell=cell, row=row, share=share, slant=slant, place=place), total)
 
 
-def _inverse(moments: np.ndarray) -> np.ndarray:
-    """Inverse moments, NaN where the positions do not span the space."""
+def _inverse(moments: np.ndarray, *, least: float) -> np.ndarray:
+    """Inverse moments, NaN where the positions do not span the space. least: moment that rounding may make."""
     sizes = np.linalg.eigvalsh(moments)
-    good = sizes[:, 0] > SPANS * sizes[:, -1]
+    good = (sizes[:, 0] > SPANS * sizes[:, -1]) & (sizes[:, 0] > least)
     inverse = np.full(moments.shape, np.nan)
     inverse[good] = np.linalg.inv(moments[good])
     return inverse

@@ -26,6 +26,12 @@ def flight(
 
     x, v: (C, 2, 3) of bodies i and j; mass: (2,) in kg; reach: R_i + R_j. Raises ValueError for bodies that touch at
     the start: they have a history.
+
+    >>> x, v = np.array([[[1.001, 0, 0], [0.0, 0, 0]]]), np.array([[[-1.0, 0, 0], [0.0, 0, 0]]])
+    >>> _, end = flight(x, v, mass=np.ones(2), reach=1.0, force=lambda d, _: 1e4 * np.maximum(d, 0.0), dt=1e-5,
+    ...                 steps=4000, every=4000)
+    >>> end[-1, 0, :, 0].round(3).tolist()
+    [0.0, -1.0]
     """
     if not (np.linalg.norm(x[:, 0] - x[:, 1], axis=1) > reach).all():
         raise ValueError("bodies touch at the start")

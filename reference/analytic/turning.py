@@ -30,6 +30,14 @@ class TurningSlider:
 
     lags: the spring moves after it has answered. remembers: a contact that slides has the limit `carried` until it
     sticks; with `lags` it sticks only if the spring of the coming row would.
+
+    A spring of 1 m, stretched in the first row, on a normal that then turns towards it, cos(angle) = 0.8:
+
+    >>> slider = TurningSlider(stiffness=1.0, damping=0.0, dt=1.0, cut="total", keep="projection")
+    >>> normal, rate = np.array([[[1.0, 0, 0]], [[0.8, 0.6, 0]]]), np.array([[[0, 1.0, 0]], [[0, 0, 0]]])
+    >>> force = slider.force(np.array([True, True]), normal, rate, np.full(2, 9.0), np.full(2, 9.0))
+    >>> np.linalg.norm(force, axis=-1).round(3).ravel().tolist()
+    [1.0, 0.8]
     """
 
     stiffness: float | np.ndarray

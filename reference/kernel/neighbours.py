@@ -57,8 +57,19 @@ def pairs_within(model: Model, x: np.ndarray, skin: float) -> tuple[np.ndarray, 
         box = np.array(model.periodic)
         points = _wrapped(points, box)
     reach = 2.0 * model.radius.max() + skin
-    pairs = cKDTree(points, boxsize=box).query_pairs(reach, output_type="ndarray")
-    i, j = pairs.min(axis=1), pairs.max(axis=1)
+    tree = cKDTree(points, boxsize=box, balanced_tree=False, compact_nodes=False)  # made fast: it is asked once
+    found = tree.query_pairs(reach, output_type="ndarray")
+    parts = [_nearer(model, x, *found[k : k + PART].T, skin) for k in range(0, max(len(found), 1), PART)]
+    i, j = (np.concatenate(ends) for ends in zip(*parts, strict=True))
+    return i, j
+
+
+PART = 1 << 15
+"""Pairs whose gap is computed at a time: many more are found than are near, if radii differ."""
+
+
+def _nearer(model: Model, x: np.ndarray, i: np.ndarray, j: np.ndarray, skin: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return those of the pairs that have a gap below the skin."""
     branch = branch_vectors(model, x, i, j)
     near = np.sqrt(dot(branch, branch)) < model.radius[i] + model.radius[j] + skin
     return i[near], j[near]

@@ -18,7 +18,9 @@ import pytest
 from harness.studies.laws.arrangement import arrangement
 from harness.studies.laws.cases import CASES
 from harness.studies.laws.drive import Driver, Job
-from harness.studies.laws.judge import CLOSED_FORM, PLAIN_FRAME, frame_deviations, judge_engine
+from harness.studies.laws.frame_checks import frame_deviations
+from harness.studies.laws.judge import CLOSED_FORM, PLAIN_FRAME, judge_engine
+from harness.studies.laws.stepped import Stepper
 from reference.kernel import interactions, neighbours
 from reference.kernel.laws import (
     hertz,
@@ -248,7 +250,8 @@ def test_mutant_is_caught_by_the_named_checks(mutant, kernel_inside, tmp_path):
             assert (named, kernel.name) in differing
     if mutant.frame:
         motion = next(m for m, right in mutant.caught if right == FRAME)
-        assert mutant.frame in {d.frame for d in frame_deviations(run, motion) if d.size > 1e-6}
+        found = frame_deviations(run, motion, mutant.convention, Stepper(laws=CASES[mutant.laws]))
+        assert mutant.frame in {d.frame for d in found if d.size > 1e-6}
     again = [c.why for c in checks if c.verdict == "differs"]
     assert all(why.endswith("rerun: again") for why in again)
 

@@ -91,3 +91,29 @@ def test_a_known_covariance_is_cut_at_its_window():
     """rho = 2^-t: tau(W) = 3/2 - 2^-W, cut at the first W >= 5 tau(W), which is 8."""
     rho = 0.5 ** np.arange(100.0)
     assert integrated_time(rho[:, None]) == pytest.approx([1.5 - 2.0**-8], rel=1e-14)
+
+
+def test_pooled_times_are_at_least_the_mean_of_the_profile():
+    rng = np.random.default_rng(3)
+    slow = np.cumsum(rng.normal(size=(400, 1)), axis=0)
+    series = np.hstack([slow, rng.normal(size=(400, 3))])
+    alone, together = estimate(series), estimate(series, pooled=True)
+    assert together.tau == pytest.approx(np.maximum(alone.tau, alone.tau.mean()))
+    assert (together.error >= alone.error).all()
+    assert np.array_equal(together.mean, alone.mean)
+
+
+def test_pooled_errors_alarm_as_often_as_they_say():
+    """Two AR(1) profiles of equal mean, 60 frames a tau: t tests at 1 % are right, with taus of their own they are not."""
+    from scipy.signal import lfilter
+    from scipy.stats import t
+
+    rng, frames, tau, cells, alarms = np.random.default_rng(4), 125, 2.0, 20, {True: [], False: []}
+    phi = (2 * tau - 1) / (2 * tau + 1)
+    for _ in range(150):
+        a, b = lfilter([1.0], [1.0, -phi], rng.normal(size=(2, frames + 100, cells)), axis=1)[:, 100:]
+        for pooled in alarms:
+            e, f = estimate(a, pooled=pooled), estimate(b, pooled=pooled)
+            size = np.abs(e.mean - f.mean) / np.hypot(e.error, f.error)
+            alarms[pooled] += list(2 * t.sf(size, np.minimum(e.samples, f.samples) - 1) < 0.01)
+    assert np.mean(alarms[True]) < 0.015

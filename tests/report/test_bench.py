@@ -28,7 +28,7 @@ def cell(case: str, count: int, **tracks) -> Cell:
                            unbalanced=1e-3)
     kernel = track(5e-8 * count, held=700 * count, peak=800 * count, resident=30_000_000 + 900 * count, rebuilds=4)
     lammps = track(1e-7 * count, resident=30_000_000 + 300 * count)
-    return Cell(case=find_case(case), count=count, packing=packing, load=1.5, steps_made=200,
+    return Cell(case=find_case(case), count=count, packing=packing, load=1.5, steps_made=200, seconds=3.0,
                 tracks={"kernel": kernel, "lammps": lammps, **tracks})
 
 
@@ -38,6 +38,7 @@ def made():
         host = Host(cpu_model="CPU <1>", cores=2, os="os", python="3", numpy="2")
         fields = {
             "quick": True, "cells": cells, "skipped": {"2D friction, rolling": "no operations"}, "kernel": "kernel",
+            "left_out": (("2D friction", 20_000), ("2D friction", 50_000)),
             "others": ("textbook", "lammps"), "notes": {"kernel": "program", "textbook": "plain", "lammps": "pair"},
             "versions": {"kernel": "1", "lammps": "2"}, "host": host, "core": 1,
             "effort": Effort(rounds=3, seconds=0.1),
@@ -82,6 +83,7 @@ def test_what_was_not_timed_is_named_and_has_no_number(whole):
     rows = exact_tables(whole)["not_timed"]
     assert {(r["case"], r["code"], r["status"], r["N"], r["reason"]) for r in rows} == {
         ("2D friction, rolling", "all", "skipped", None, "no operations"),
+        ("2D friction", "all", "left out", "20000, 50000", "the time was up"),
         ("2D dashpot", "textbook", "lost", "4000", "ended by SIGKILL"),
     }
     assert [r["textbook"] for r in shown_tables(whole)["ratios"]] == ["0.50 (0.50-0.50)", None, "0.50 (0.50-0.50)"]

@@ -31,6 +31,7 @@ class TimedKernel:
     evaluation: Literal["program", "textbook"]
     slow: bool = False
     note: str
+    convention: str = CONVENTION
 
     def probe(self) -> Probe:
         """Always there."""
@@ -41,11 +42,11 @@ class TimedKernel:
         missing = refused(self._engine.supports(system))
         if missing or self.evaluation == "textbook":
             return missing
-        return "" if _composes(system) else "the program has no operations for one of its laws yet"
+        return "" if _composes(system, self.convention) else "the program has no operations for one of its laws yet"
 
     def render(self, system: System, *, skin: float) -> dict[str, str]:
         """Return the kernel's own deck and the skin."""
-        return render_deck(system, CONVENTION) | {SKIN: json.dumps(skin) + "\n"}
+        return render_deck(system, self.convention) | {SKIN: json.dumps(skin) + "\n"}
 
     def command(self, core: int | None) -> list[str]:
         """Return the child's command."""
@@ -57,7 +58,7 @@ class TimedKernel:
 
     @property
     def _engine(self) -> KernelEngine:
-        return KernelEngine(convention=CONVENTION)
+        return KernelEngine(convention=self.convention)
 
 
 PROGRAM = TimedKernel(
@@ -68,7 +69,7 @@ TEXTBOOK = TimedKernel(
 )
 
 
-def _composes(system: System) -> bool:
+def _composes(system: System, convention: str) -> bool:
     """Ask with two of the particles: what operations there are depends on laws, walls and axes alone."""
     import tempfile
     from dataclasses import replace
@@ -80,6 +81,6 @@ def _composes(system: System) -> bool:
     p = system.particles
     few = replace(p, **{name: getattr(p, name)[:2] for name in p.__dataclass_fields__})
     with tempfile.TemporaryDirectory() as folder:
-        for name, text in render_deck(system.with_(particles=few), CONVENTION).items():
+        for name, text in render_deck(system.with_(particles=few), convention).items():
             (Path(folder) / name).write_text(text)
         return can_compose(read_deck(Path(folder))[0])

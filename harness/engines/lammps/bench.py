@@ -59,7 +59,7 @@ class TimedLammps:
         lines = [
             *atom_lines(system, box),
             *(contacts if self.style == "granular" else _with_hooke(contacts, system)),
-            f"neighbor {number(skin)} bin",
+            f"neighbor {number(skin)} {'nsq' if box.is_open else 'bin'}",
             *integration_lines(system),
             *gravity_lines(system.gravity),
             *drag_lines(system.background),

@@ -24,8 +24,8 @@ STYLE_GLOBAL, TYPE_VECTOR = 0, 1
 """Of LAMMPS' library: LMP_STYLE_GLOBAL, LMP_TYPE_VECTOR."""
 
 
-def run_deck() -> dict:
-    """Run in.lammps in the current folder and say how it ended."""
+def run_deck() -> tuple[object, dict]:
+    """Run in.lammps in the current folder; return the closed instance and how it ended."""
     start = time.perf_counter()
     instance = start_lammps(LOG)
     setup, run = split_deck(Path(DECK).read_text())
@@ -35,7 +35,7 @@ def run_deck() -> dict:
     done = time.perf_counter()
     end = final_state(instance)
     instance.close()
-    return {**end, "seconds": {"setup": ready - start, "run": done - ready}}
+    return instance, {**end, "seconds": {"setup": ready - start, "run": done - ready}}
 
 
 def split_deck(text: str) -> tuple[str, str]:
@@ -74,7 +74,7 @@ def write_contacts() -> float:
 def main(folder: str) -> int:
     """Run the deck in `folder`; return the exit status. Used-up restart files are removed."""
     os.chdir(folder)
-    end = run_deck()
+    instance, end = run_deck()
     first = end.pop("first")
     if Path(CONTACTS).exists():
         end["seconds"]["output"] = write_contacts()
@@ -82,6 +82,7 @@ def main(folder: str) -> int:
         for state in Path(".").glob(f"{STATE}.*"):
             state.unlink()
         print(MARKER, json.dumps(end), flush=True)
+    instance.finalize()  # mpiexec kills the others as soon as one process is gone that did not
     return 0
 
 

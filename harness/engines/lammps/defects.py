@@ -38,9 +38,10 @@ DEFECTS = (
     ),
     Defect(
         name="order of a pair in rolling",
-        affects="rolling and twisting springs whenever the order of the two particles is swapped: sorting, newton on",
+        affects="rolling and twisting springs whenever the order of the two particles is swapped: sorting, newton on, "
+        "a contact across the cut between two MPI processes",
         evidence=f"the spring changes its sign, and with it the couple ({VERSION})",
-        avoided="newton off, atom_modify sort 0 0, one rank",
+        avoided="newton off, atom_modify sort 0 0; on several processes systems with rolling or torsion are refused",
     ),
     Defect(
         name="slip of twisting",

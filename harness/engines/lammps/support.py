@@ -164,7 +164,13 @@ def _periodic_rings(system: System) -> list[Support]:
 
 
 def _apart(system: System) -> list[Support]:
-    return []
+    """Several processes swap the order of pairs across a cut; it matters to rolling and twisting springs."""
+    families = {"rolling resistance": system.rolling, "torsion resistance": system.torsion}
+    note = (
+        "on several processes the order of a pair is swapped where a cut comes between them, and the spring changes"
+        " its sign: spins 14 % off after a crossing"
+    )
+    return [Support(effect=e, level="known_wrong", note=note) for e, law in families.items() if law is not None]
 
 
 _CHECKS = (

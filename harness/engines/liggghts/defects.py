@@ -30,9 +30,10 @@ DEFECTS: tuple[Defect, ...] = _of_this_version(
         avoided="neigh_modify contact_distance_factor 1.01",
     ),
     Defect(
-        name=SORTING, affects="normal model edinburgh, which keeps the largest overlap with a sign",
+        name=SORTING, affects="normal model edinburgh, which keeps the largest overlap with a sign; also where a cut "
+        "between two MPI processes comes between a pair",
         evidence="sorting that swaps a pair makes it negative, the contact loads anew: 1.5 N where 1 N is right",
-        avoided="atom_modify sort 0 0",
+        avoided="atom_modify sort 0 0; the constant-k_2 law is refused on several processes",
     ),
     Defect(
         name=PERIODIC, affects="normal model edinburgh, which keeps the largest overlap with a sign",

@@ -67,7 +67,7 @@ class Liggghts:
     @property
     def name(self) -> str:
         """Name in tables and run folders: the version stands for the place."""
-        return named("liggghts", self.home.version, self.ranks)
+        return named("liggghts", self.home.shown or self.home.version, self.ranks)
 
     @property
     def word(self) -> str:
@@ -81,6 +81,11 @@ class Liggghts:
     def on(self, ranks: int) -> Liggghts:
         """Return the same LIGGGHTS on so many MPI processes."""
         return replace(self, ranks=ranks)
+
+    def exactly(self) -> Liggghts:
+        """Return the same LIGGGHTS, with its build in its name; the one here has none and stays."""
+        home = self.home
+        return replace(self, home=replace(home, shown=f"{home.version}+{home.build}")) if home.place else self
 
     def probe(self) -> Probe:
         """Look for the binary on the path; its version is that of the Debian package, else its banner's."""
@@ -118,6 +123,10 @@ class Liggghts:
             env=os.environ | (ALONE if self.ranks == 1 else one_thread_env()),
         )
         return judge(child, folder, LOG, time_limit)
+
+    def changes(self, system: System) -> tuple[str, ...]:  # noqa: ARG002
+        """No version but 3.8.0 was measured."""
+        return ()
 
     def known_defects(self) -> tuple[Defect, ...]:
         """Return what this version does wrong, each shown by a test."""

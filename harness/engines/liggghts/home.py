@@ -23,11 +23,13 @@ class Home:
     """A binary. place: its absolute path, "" for the one on the path.
 
     build: of its content and that of the library it loads. library: that library's path, "" if it has none.
+    shown: what tables call it where its version alone would not tell it from another.
     """
 
     place: str = ""
     version: str = ""
     build: str = ""
+    shown: str = ""
     library: str = ""
 
     def binary(self) -> str:
@@ -41,13 +43,12 @@ HERE = Home()
 def home_at(place: str) -> Home:
     """Return the LIGGGHTS at `place`; raises InputError when there is none."""
     path = str(program_at(BINARY, place, NEEDS))
-    found = BANNER.search(_output([path, "-h"]))
-    if found is None:
-        raise InputError(file=f"{BINARY}@{place}", expected=NEEDS, got=f"{path}, whose -h prints no version of LIGGGHTS")
-    library = _library(path)
+    version, library = _banner_version(path), _library(path)
+    if not version:
+        got = f"{path}, which does not print a version of LIGGGHTS when it is given -h"
+        raise InputError(file=f"{BINARY}@{place}", expected=NEEDS, got=got)
     build = _content([path, *([library] if library else [])])
-    edition = found[1].removeprefix("LIGGGHTS-PUBLIC")
-    return Home(place=path, version=f"{edition}-{found[2]}".lstrip("-"), build=build, library=library)
+    return Home(place=path, version=version, build=build, library=library)
 
 
 @cache
@@ -82,14 +83,15 @@ def _package_version(path: str) -> str:
 
 
 def _banner_version(path: str) -> str:
-    found = re.search(r"Version (\S+ \S+)", _output([path, "-h"]))
-    return found[1] if found else ""
+    """Return the number that the first line of its help names, behind the edition where that is not the public one."""
+    found = BANNER.search(_output([path, "-h"], status=1))
+    return f"{found[1].removeprefix('LIGGGHTS-PUBLIC')}-{found[2]}".lstrip("-") if found else ""
 
 
-def _output(command: list[str]) -> str:
-    """Return what a command prints, "" if it cannot be run, fails or hangs."""
+def _output(command: list[str], status: int = 0) -> str:
+    """Return what a command prints, "" if it cannot be run, ends in another way or hangs."""
     try:
         done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=20, check=False)
     except (OSError, subprocess.TimeoutExpired):
         return ""
-    return done.stdout.decode("utf-8", errors="replace") if done.returncode == 0 else ""
+    return done.stdout.decode("utf-8", errors="replace") if done.returncode == status else ""

@@ -1,5 +1,5 @@
 """Speed: the kernel against the codes, on the same packing, in short interleaved rounds on one core."""
 
-from harness.studies.bench.study import Bench, bench
+from harness.studies.bench.study import Bench, announced, bench
 
-__all__ = ["Bench", "bench"]
+__all__ = ["Bench", "announced", "bench"]

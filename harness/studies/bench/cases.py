@@ -22,9 +22,10 @@ a dashpot that does not depend on it."""
 
 RESTITUTION, FRICTION = 0.8, 0.5
 
-QUIET_SPEED, FAST_SPEED = 0.02, 1.0
-"""Of the random velocities that particles start with, m/s rms a component. A dense packing at the lower one keeps
-its list of pairs; at the higher one lists are renewed all the time."""
+QUIET_SPEED, FAST_SPEED = 0.005, 1.0
+"""Of the random velocities that particles start with, m/s rms a component. A dense packing at the lower one swings
+by a hundredth of the mean overlap and keeps its list of pairs (at four times that, elastic ones shake themselves loose
+within 5000 steps); at the higher one lists are renewed all the time."""
 
 SKIN, FAST_SKIN = 0.05, 0.2
 """How far beyond contact pairs are listed, for every code alike, in mean radii."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
+import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -38,15 +39,20 @@ QUICK_EXTRAS = (2000, 20_000)
 
 FEW_PARTICLES = 12
 
-TIME_LIMIT = 600.0
+ANSWER_LIMIT = 600.0
 """Seconds within which a code has to answer."""
+
+TIME_LIMIT = {True: 600.0, False: 3600.0}
+"""Seconds after which no further cell is begun, quick or not; the largest takes two minutes or three."""
+
+OUT_OF_TIME = "the time was up"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Cell:
     """One case at one size, timed. load: runnable processes of the machine when it ended.
 
-    steps_made: of the kernel, with those before the rounds.
+    steps_made: of the kernel, with those before the rounds. seconds: on the clock, with packing and set-up.
     """
 
     case: Case
@@ -55,12 +61,13 @@ class Cell:
     tracks: dict[str, Track]
     load: float
     steps_made: int
+    seconds: float
 
 
 @dataclass(frozen=True, kw_only=True)
 class Bench:
     """What was timed, where. kernel, others: names of the codes. skipped: cases that the kernel does not compute,
-    with the reason.
+    with the reason. left_out: case and particle number of the cells for which there was no time.
 
     notes: how each code computes. versions: of those that are here. core: what all children were pinned to; None
     if the system cannot.
@@ -69,6 +76,7 @@ class Bench:
     quick: bool
     cells: tuple[Cell, ...]
     skipped: dict[str, str]
+    left_out: tuple[tuple[str, int], ...]
     kernel: str
     others: tuple[str, ...]
     notes: dict[str, str]
@@ -105,31 +113,48 @@ class _Field:
                         skin=base.skin * MEAN_RADIUS, same_problem=False)]
 
 
+def announced(*, quick: bool, time_limit: float | None = None, cases: Sequence[Case] = CASES) -> str:
+    """Return one line on how much there is to do, and when it ends at the latest."""
+    counts = [n for c in cases for n in (c.quick if quick else c.full)]
+    minutes = (TIME_LIMIT[quick] if time_limit is None else time_limit) / 60.0
+    return f"{len(counts)} cells, up to {max(counts)} particles; none is begun later than after {minutes:.3g} minutes"
+
+
 def bench(
     *, quick: bool, out: Path, progress: Callable[[], Progress] | None = None, cases: Sequence[Case] = CASES,
     timed: Sequence[Timed] = BENCHES, kernel: Timed = KERNEL, opener: Opener | None = None,
-    effort: Effort | None = None,
+    effort: Effort | None = None, time_limit: float | None = None, clock: Callable[[], float] = time.monotonic,
 ) -> Bench:
-    """Time all cases; packings are kept in ``out/packings``. `kernel` is one of `timed`."""
+    """Time all cases; packings are kept in ``out/packings``. `kernel` is one of `timed`.
+
+    When the time limit (s; TIME_LIMIT unless given) is over no further cell is begun, and those left out are named.
+    """
+    end = clock() + (TIME_LIMIT[quick] if time_limit is None else time_limit)
     core = chosen_core()
     field = _Field(
         timed=timed, kernel=kernel, cases={c.name: c for c in cases}, cache=out / "packings",
         effort=effort or (QUICK if quick else FULL),
-        opener=opener or (lambda t, folder: Session(t, folder, core=core, time_limit=TIME_LIMIT)),
+        opener=opener or (lambda t, folder: Session(t, folder, core=core, time_limit=ANSWER_LIMIT)),
     )
     skipped = {c.name: why for c in cases if (why := _refused_by_kernel(c, field))}
     plan = [(c, n) for c in cases if c.name not in skipped for n in (c.quick if quick else c.full)]
     probes = {t.name: t.probe() for t in timed}
+    cells = tuple(_cells(plan, field, progress, quick=quick, in_time=lambda: clock() < end))
     return Bench(
-        quick=quick, cells=tuple(_cells(plan, field, progress, quick=quick)), skipped=skipped, kernel=kernel.name,
+        quick=quick, cells=cells, skipped=skipped, kernel=kernel.name,
+        left_out=tuple((c.name, n) for c, n in plan[len(cells) :]),
         others=tuple(t.name for t in timed if t is not kernel), effort=field.effort, host=host_facts(), core=core,
         notes={t.name: t.note for t in timed}, versions={n: p.version for n, p in probes.items() if p.available},
     )
 
 
-def _cells(plan, field: _Field, progress: Callable[[], Progress] | None, *, quick: bool) -> Iterator[Cell]:
+def _cells(
+    plan, field: _Field, progress: Callable[[], Progress] | None, *, quick: bool, in_time: Callable[[], bool]
+) -> Iterator[Cell]:
     with _shown(progress, plan) as shown:
         for job, (case, count) in enumerate(plan):
+            if not in_time():
+                return
             shown.running(job, 0.0)
             cell = _cell(case, count, field, quick=quick)
             shown.done(job, f"{case.name}, N = {count}: {_says(cell, field.kernel)}")
@@ -152,6 +177,7 @@ def base_label(kernel: Timed, case: Case) -> str:
 
 
 def _cell(case: Case, count: int, field: _Field, *, quick: bool) -> Cell:
+    start = time.monotonic()
     system, packing = problem(case, count, cache=field.cache)
     skin, extras = case.skin * MEAN_RADIUS, not quick or count in QUICK_EXTRAS
     slow = extras and count <= SLOW_LIMIT[quick]
@@ -164,7 +190,10 @@ def _cell(case: Case, count: int, field: _Field, *, quick: bool) -> Cell:
         entrants += field.base_entrants(case, count) if extras else []
         tracks = measure(entrants, Path(folder), field.opener, field.effort)
     made = WARM_STEPS + tracks[field.kernel.name].steps * field.effort.rounds
-    return Cell(case=case, count=count, packing=packing, tracks=tracks, load=os.getloadavg()[0], steps_made=made)
+    return Cell(
+        case=case, count=count, packing=packing, tracks=tracks, load=os.getloadavg()[0], steps_made=made,
+        seconds=time.monotonic() - start,
+    )
 
 
 def _says(cell: Cell, kernel: Timed) -> str:

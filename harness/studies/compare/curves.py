@@ -17,6 +17,7 @@ import numpy as np
 
 from harness.scene.system import System
 from harness.studies.compare.peak import Peak, first_peak
+from harness.studies.compare.signal import Signal
 from postproc.trajectory import Trajectory
 
 SMOOTHED = 0.005
@@ -98,11 +99,16 @@ class BiaxialCurves:
         return np.array([values[n].mean() for n in near])
 
     def upto(self, strain: float) -> np.ndarray:
-        """Return a mask of the samples with eps <= strain but for step 0, the same by construction.
+        """Return a mask of the samples with eps <= strain, see `Signal.upto`."""
+        return self.signal.upto(strain)
 
-        A strain that is no number is inside, so that a check over the mask meets it.
-        """
-        return ~(self.strain > strain * (1.0 + 1e-12)) & (self.step > 0)
+    @property
+    def signal(self) -> Signal:
+        """What is followed sample by sample: the force on the top wall."""
+        return Signal(
+            step=self.step, place=self.strain, value=self.force_top, quantity="top-wall force",
+            axis="axial strain (%)", word="% strain", scale=100.0, relative="sample",
+        )
 
 
 def biaxial_curves(trajectory: Trajectory, system: System) -> BiaxialCurves:

@@ -17,7 +17,7 @@ from harness.studies.compare.growth import (
     compared_displacements,
     difference_growth,
 )
-from harness.studies.compare.pairs import Pair, pairs_of
+from harness.studies.compare.pairs import Pair, declared_for, pairs_of
 from harness.studies.verdict import Check, Rerun, judged, not_checked
 from postproc.trajectory import Trajectory
 
@@ -61,7 +61,7 @@ def agreement_checks(
     found = []
     for agreement in agreements:
         facts = {"level": "L1", "tolerance": agreement.tolerance}
-        wanted = [p for p in pairs if p.kind == agreement.pairs]
+        wanted = declared_for(agreement.pairs, pairs)
         if not wanted:
             why = f"declared for {agreement.pairs}, and no two of the engines are such a pair"
             found.append(not_checked(**facts, quantity="whole trajectory", left="-", right="-", why=why))

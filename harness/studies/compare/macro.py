@@ -49,12 +49,17 @@ def plateau_mean(values: np.ndarray, curves: BiaxialCurves, plateau: Plateau) ->
 
     NaN (not computed) when fewer than two samples lie in the plateau.
     """
-    low, high = np.array(plateau) * (1.0 - ROUNDING, 1.0 + ROUNDING)
-    inside = (curves.strain >= low) & (curves.strain <= high)
+    inside = within(curves.strain, plateau)
     strain = curves.strain[inside]
     if len(strain) < 2:
         return float("nan")
     return float(np.trapezoid(values[inside], strain) / (strain[-1] - strain[0]))
+
+
+def within(strain: np.ndarray, plateau: Plateau) -> np.ndarray:
+    """Return a mask of the samples (S,) in a range of strains."""
+    low, high = np.array(plateau) * (1.0 - ROUNDING, 1.0 + ROUNDING)
+    return (strain >= low) & (strain <= high)
 
 
 def macro_values(curves: BiaxialCurves, scene: Biaxial) -> dict[str, float]:

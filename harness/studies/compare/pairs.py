@@ -7,13 +7,15 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Literal, TypeVar
 
-from harness.engines.registry import KERNEL_PREFIX
+from harness.engines.registry import KERNEL_PREFIX, kernel_of
+from harness.engines.word import code_of
 
 T = TypeVar("T")
 
-Kind = Literal["same_conventions", "codes", "other_conventions"]
+Kind = Literal["same_conventions", "same_code", "codes", "other_conventions"]
 """same_conventions: an engine and the kernel computing in that engine's conventions; they agree to
-round-off until chaos. codes: two independent codes, each with its own conventions.
+round-off until chaos. same_code: two versions of one code, or one on more processes; the same is declared for them.
+codes: two independent codes, each with its own conventions.
 other_conventions: an engine and the kernel in conventions of somebody else; shown, nothing is declared
 for them."""
 
@@ -51,13 +53,23 @@ def pairs_of(engines: Sequence[str], *, friction: bool) -> list[Pair]:
     codes = [e for e in engines if not e.startswith(KERNEL_PREFIX)]
     kernels = [e for e in engines if e.startswith(KERNEL_PREFIX)]
     beside = [Pair(left=c, right=k, kind=_kind(c, k, friction)) for c in codes for k in _partners(c, kernels)]
-    return beside + [Pair(left=a, right=b, kind="codes") for a, b in combinations(codes, 2)]
+    return beside + [Pair(left=a, right=b, kind=_kind_of_codes(a, b)) for a, b in combinations(codes, 2)]
+
+
+def declared_for(kind: str, pairs: Sequence[Pair]) -> list[Pair]:
+    """Return the pairs that a scene means by a kind: what holds for same conventions holds for one code."""
+    kinds = ("same_conventions", "same_code") if kind == "same_conventions" else (kind,)
+    return [p for p in pairs if p.kind in kinds]
 
 
 def _partners(code: str, kernels: list[str]) -> list[str]:
-    own = KERNEL_PREFIX + code
+    own = kernel_of(code)
     return [own] if own in kernels else kernels
 
 
 def _kind(code: str, kernel: str, friction: bool) -> Kind:
-    return "same_conventions" if not friction or kernel == KERNEL_PREFIX + code else "other_conventions"
+    return "same_conventions" if not friction or kernel == kernel_of(code) else "other_conventions"
+
+
+def _kind_of_codes(left: str, right: str) -> Kind:
+    return "same_code" if code_of(left) == code_of(right) else "codes"

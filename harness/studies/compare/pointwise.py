@@ -1,4 +1,6 @@
-"""Two runs of a biaxial box from one packing, sample by sample, until chaos parts them (level L2).
+"""Two runs from one packing, sample by sample, until chaos parts them (level L2).
+
+What is followed is the `Signal` of each run: the force on the top wall of a box, the torque on the inner ring.
 
 A run that is missing gives `not_checked`. With several packings the worst one counts.
 """
@@ -6,55 +8,64 @@ A run that is missing gives `not_checked`. With several packings the worst one c
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence, Sized
+from typing import Protocol
 
 import numpy as np
 
-from harness.scene.model import Window
+from harness.scene.model import TimeWindow, Window
 from harness.studies.compare.curves import BiaxialCurves
-from harness.studies.compare.pairs import Pair
+from harness.studies.compare.pairs import Pair, declared_for
+from harness.studies.compare.signal import Signal, signal_deviation
 from harness.studies.verdict import Check, Rerun, judged, not_checked
 
 PARTED = 1e-2
-"""Relative difference of the top-wall force, or of two peaks, at which two runs no longer follow each other."""
+"""Relative difference of the signal, or of two peaks, at which two runs no longer follow each other."""
+
+
+class Followed(Protocol):
+    """Curves of a run, one of which is its signal."""
+
+    @property
+    def signal(self) -> Signal:
+        """What is followed sample by sample."""
+
+
+Followeds = Mapping[str, Mapping[int, Followed]]
+"""Curves of any scene by engine and packing."""
 
 Curves = Mapping[str, Mapping[int, BiaxialCurves]]
-"""Curves by engine and packing."""
+"""Those of a box."""
 
 
 def force_deviation(a: BiaxialCurves, b: BiaxialCurves) -> np.ndarray:
-    """Return |F_a - F_b| / max(|F_a|, |F_b|) of the top wall, sample by sample, (S,).
-
-    0 where both forces are 0, NaN where one is NaN. Raises ValueError for samples of different steps.
-    """
-    if not np.array_equal(a.step, b.step):
-        raise ValueError("samples of different steps")
-    difference = np.abs(a.force_top - b.force_top)
-    size = np.maximum(np.abs(a.force_top), np.abs(b.force_top))
-    return np.divide(difference, size, out=np.zeros_like(size), where=size != 0)
+    """Return |F_a - F_b| / max(|F_a|, |F_b|) of the top wall, sample by sample, (S,), see `signal_deviation`."""
+    return signal_deviation(a.signal, b.signal)
 
 
-def window_checks(pairs: Sequence[Pair], windows: Sequence[Window], curves: Curves, rerun: Rerun) -> list[Check]:
-    """Top-wall force, pointwise, for every pair of the kind that a window declares."""
-    return [c for w in windows for c in _window_checks(w, [p for p in pairs if p.kind == w.pairs], curves, rerun)]
+def window_checks(
+    pairs: Sequence[Pair], windows: Sequence[Window | TimeWindow], curves: Followeds, rerun: Rerun
+) -> list[Check]:
+    """The signal, pointwise, for every pair of the kind that a window declares."""
+    return [c for w in windows for c in _window_checks(w, declared_for(w.pairs, pairs), curves, rerun)]
 
 
-def _window_checks(window: Window, pairs: Sequence[Pair], curves: Curves, rerun: Rerun) -> list[Check]:
-    facts = {
-        "level": "L2", "tolerance": window.tolerance,
-        "quantity": f"top-wall force up to {100 * window.strain:g} % strain",
-    }
+def _window_checks(
+    window: Window | TimeWindow, pairs: Sequence[Pair], curves: Followeds, rerun: Rerun
+) -> list[Check]:
+    facts = {"level": "L2", "tolerance": window.tolerance, "quantity": window.says}
     if not pairs:
         why = f"declared for {window.pairs}, and no two of the engines are such a pair"
         return [not_checked(**facts, left="-", right="-", why=why)]
-    return [_window_check(p, window.strain, curves, rerun(p.left, p.right), facts) for p in pairs]
+    return [_window_check(p, window.limit, curves, rerun(p.left, p.right), facts) for p in pairs]
 
 
-def _window_check(pair: Pair, strain: float, curves: Curves, rerun: str, facts: dict) -> Check:
+def _window_check(pair: Pair, limit: float, curves: Followeds, rerun: str, facts: dict) -> Check:
     facts = {**facts, "left": pair.left, "right": pair.right}
     both = pair.both(curves)
     if not both:
         return not_checked(**facts, why=pair.missing(curves) or "no packing that both completed")
-    inside = [force_deviation(a, b)[a.upto(strain) | b.upto(strain)] for a, b in both.values()]
+    signals = [(a.signal, b.signal) for a, b in both.values()]
+    inside = [signal_deviation(a, b)[a.upto(limit) | b.upto(limit)] for a, b in signals]
     if not all(d.size for d in inside):
         return not_checked(**facts, why="no sample lies in this range")
     samples = np.concatenate(inside)
@@ -62,15 +73,17 @@ def _window_check(pair: Pair, strain: float, curves: Curves, rerun: str, facts: 
                   rerun=rerun)
 
 
-def parting_checks(pairs: Sequence[Pair], curves: Curves, rerun: Rerun) -> list[Check]:
+def parting_checks(pairs: Sequence[Pair], curves: Followeds, rerun: Rerun) -> list[Check]:
     """Where pointwise agreement ended, for every pair of which both completed."""
     return [_parting_check(p, both, rerun(p.left, p.right)) for p in pairs if (both := p.both(curves))]
 
 
-def _parting_check(pair: Pair, both: Mapping[int, tuple[BiaxialCurves, BiaxialCurves]], rerun: str) -> Check:
+def _parting_check(pair: Pair, both: Mapping[int, tuple[Followed, Followed]], rerun: str) -> Check:
     """Judge the whole test: chaos excuses runs that part on the way, but not at the first sample."""
-    facts = {"level": "L2", "quantity": "top-wall force, whole test", "left": pair.left, "right": pair.right}
-    deviations = [force_deviation(a, b) for a, b in both.values()]
+    signals = [(a.signal, b.signal) for a, b in both.values()]
+    first = signals[0][0]
+    facts = {"level": "L2", "quantity": f"{first.quantity}, whole test", "left": pair.left, "right": pair.right}
+    deviations = [signal_deviation(a, b) for a, b in signals]
     worst = float(np.max([d.max() for d in deviations]))
     followed = [_followed(d) for d in deviations]
     if all(n == len(d) for n, d in zip(followed, deviations, strict=True)):
@@ -78,8 +91,8 @@ def _parting_check(pair: Pair, both: Mapping[int, tuple[BiaxialCurves, BiaxialCu
     if min(followed) == 0:
         why = "apart at step 0 already, where all start from the same numbers"
         return judged(**facts, deviation=worst, tolerance=PARTED, rerun=rerun, why=why)
-    strains = (100 * a.strain[n - 1] for n, (a, _) in zip(followed, both.values(), strict=True))
-    why = f"followed each other within {PARTED:.0%} up to {min(strains):.3g} % strain; then only replicates can tell"
+    until = first.at(min(a.place[n - 1] for n, (a, _) in zip(followed, signals, strict=True)), ".3g")
+    why = f"followed each other within {PARTED:.0%} up to {until}; then only replicates can tell"
     return Check(**facts, deviation=worst, tolerance=PARTED, verdict="inconclusive", why=why)
 
 

@@ -5,8 +5,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from concurrent.futures import Executor
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,10 +16,20 @@ from harness.runs.native import NativePolicy
 from harness.runs.outcome import Outcome
 from harness.scene.laws import turning
 from harness.scene.load import load_scene
-from harness.scene.model import Biaxial, Scene
+from harness.scene.model import Biaxial, Couette, Free, Scene
 from harness.studies.compare.biaxial import BiaxialResult, judge_biaxial
+from harness.studies.compare.couette import CouetteResult, judge_couette
 from harness.studies.compare.free import FreeResult, judge_free
-from harness.studies.prepare import Prepared, prepare
+from harness.studies.compare.replicates import (
+    make_starts,
+    replicate_count,
+    responder,
+    response_name,
+    response_system,
+    start_system,
+)
+from harness.studies.compare.versions import explained, known_changes
+from harness.studies.prepare import Prepared
 from harness.studies.verdict import Check, Rerun, failed
 
 if TYPE_CHECKING:
@@ -26,35 +37,52 @@ if TYPE_CHECKING:
     from harness.runs.progress import Progress
     from postproc.trajectory import Trajectory
 
+JUDGES = {Biaxial: judge_biaxial, Couette: judge_couette, Free: judge_free}
+"""What judges the runs of a scene, by its kind."""
+
 TIME_LIMIT = 3600.0
 """Seconds after which an engine's run is ended, unless the user says otherwise."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Run:
-    """One engine on one packing: its outcome, its folder, and its trajectory if it completed."""
+    """One engine on one packing: its outcome, its folder, and its trajectory if it completed.
+
+    of: the engine as such; `engine` names the response of an engine to a kick apart from its other runs.
+    """
 
     engine: str
     packing: int
     outcome: Outcome
     folder: Path
     trajectory: Trajectory | None
+    of: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Comparison:
-    """Everything a report needs. `result` is a BiaxialResult or a FreeResult, as the scene is."""
+    """Everything a report needs. `result` is that of the scene's kind.
+
+    words: what a user types for each engine, by its name in tables. response: see `harness.studies.compare.chaos`.
+    """
 
     scene: Scene
     scene_file: Path
     starts: tuple[Prepared, ...]
     runs: tuple[Run, ...]
     checks: tuple[Check, ...]
-    result: BiaxialResult | FreeResult
+    result: BiaxialResult | CouetteResult | FreeResult
+    words: Mapping[str, str] = field(default_factory=dict)
+    response: Run | None = None
+
+    @property
+    def all_runs(self) -> tuple[Run, ...]:
+        """The runs that are compared, and the response to a kick."""
+        return self.runs if self.response is None else (*self.runs, self.response)
 
     @property
     def completed(self) -> tuple[Run, ...]:
-        """The runs that completed."""
+        """The runs to be compared that completed."""
         return tuple(r for r in self.runs if r.trajectory is not None)
 
     @property
@@ -64,38 +92,55 @@ class Comparison:
         An engine that is not installed, or says that it cannot compute the scene, is reported and
         does not fail the comparison as long as something was compared.
         """
-        broken = any(r.outcome.status in ("crashed", "unstable", "timed_out") for r in self.runs)
+        broken = any(r.outcome.status in ("crashed", "unstable", "timed_out") for r in self.all_runs)
         return 1 if broken or failed(self.checks) else 0
 
 
 def compare(
     scene_file: Path, engines: tuple[Engine, ...], out: Path, *, packings: int | None = None,
     time_limit: float = TIME_LIMIT, workers: int | None = None, progress: Callable[[], Progress] | None = None,
-    native: NativePolicy = "gzip",
+    native: NativePolicy = "gzip", executor: Executor | None = None, replicates: int | None = None,
 ) -> Comparison:
     """Run `scene_file` on `engines` and judge; runs are kept and reused below ``out/runs``.
 
-    packings, workers: how many, as many as the scene says and as there are cores unless given.
+    packings, workers: how many, as many as the scene says and as there are cores unless given. replicates: how many,
+    AS_DECLARED for as many as the scene says; see `harness.studies.compare.replicates`.
     progress: makes what shows packings and runs being made; nothing is shown without.
-    native: see `harness.runs.native`. Raises InputError for a scene that is wrong, before anything is
-    written.
+    native: see `harness.runs.native`. executor: makes the runs in place of this process' threads.
+    Raises InputError for a scene that is wrong, before anything is written.
     """
+    from harness.engines.registry import word_of
     from harness.runs.pool import run_many
 
     scene = load_scene(scene_file)
-    starts = prepare(scene, scene_file, packings=packings, cache=out / "packings", progress=progress)
+    replicates = replicate_count(scene, replicates)
+    starts = make_starts(
+        scene, scene_file, packings=packings, replicates=replicates, cache=out / "packings", progress=progress
+    )
     engines = distinct_engines(engines, scene)
     plan = [(s.number, e) for s in starts for e in engines]
-    jobs = [(_label(e.name, number, len(starts)), e, starts[number].system) for number, e in plan]
+    jobs = [
+        (_label(e.name, k, len(starts)), e, start_system(starts[k], e, replicated=replicates is not None))
+        for k, e in plan
+    ]
+    kicked = responder(scene, engines)
+    if kicked is not None:
+        jobs.append((response_name(kicked), kicked, response_system(starts[0], kicked)))
     done = run_many(
-        jobs, runs_root(out), time_limit=time_limit, workers=workers, progress=progress and progress(), native=native
+        jobs, runs_root(out), time_limit=time_limit, workers=workers, progress=progress and progress(), native=native,
+        executor=executor,
     )
-    runs = tuple(_run(number, e.name, d) for (number, e), d in zip(plan, done, strict=True))
-    judge = judge_biaxial if isinstance(scene, Biaxial) else judge_free
-    rerun = Rerun(scene_file=scene_file, out=out, packings=packings)
-    checks, result = judge(scene, starts, runs, [e.name for e in engines], rerun)
+    runs = tuple(_run(number, e.name, d) for (number, e), d in zip(plan, done, strict=False))
+    response = kicked and replace(_run(0, response_name(kicked), done[-1]), of=kicked.name)
+    words = {e.name: word_of(e) for e in engines}
+    rerun = Rerun(scene_file=scene_file, out=out, packings=packings, words=words, replicates=replicates)
+    more = {"response": response} if response else {}
+    found, result = JUDGES[type(scene)](scene, starts, runs, [e.name for e in engines], rerun, **more)
+    changes = known_changes(engines, [s.system for s in starts])
+    checks = tuple(explained(c, changes) for c in found)
     return Comparison(
-        scene=scene, scene_file=scene_file, starts=tuple(starts), runs=runs, checks=tuple(checks), result=result
+        scene=scene, scene_file=scene_file, starts=tuple(starts), runs=runs, checks=checks, result=result,
+        words=words, response=response,
     )
 
 

@@ -17,6 +17,7 @@ from harness.engines.protocol import Prescribed, Reaction
 from harness.scene.system import INERTIA_FACTOR, Particles, System, Wall
 from harness.studies.laws.frames import TILT, Frame, frames
 from harness.studies.laws.motions import DT, ROWS, UNEQUAL, Grains, Motion, Partner, motions
+from harness.studies.laws.rounding import distance, settled
 
 if TYPE_CHECKING:
     from harness.studies.laws.cases import Laws
@@ -24,6 +25,9 @@ if TYPE_CHECKING:
 PAIR_SPACING, PLANE_SPACING = 6.0 * UNEQUAL.radii[0], 3.0 * UNEQUAL.radii[0]
 """Between the places of two contacts: close to each other, because coordinates far from the origin cost digits, and
 binary fractions, which add no rounding of their own."""
+
+NORMALS = {"level": (0.0, 1.0), "tilted": (-math.sin(TILT), math.cos(TILT))}
+"""Of the planes, x and y."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,9 +104,23 @@ def _path(tracks: tuple[Track, ...], places: np.ndarray, dimension: int) -> Pres
         rows = list(track.bodies)
         x[:, rows], v[:, rows], spin[:, rows] = track.frame.embed(track.motion)
         x[:, rows] += place
+        _settle(track, x)
     if dimension == 3:
         return Prescribed(x=x, v=v, spin=spin)
     return Prescribed(x=x[..., :2].copy(), v=v[..., :2].copy(), spin=spin[..., 2:].copy())
+
+
+def _settle(track: Track, x: np.ndarray) -> None:
+    """Round the places of body i so that its distance to its partner is the motion's; x: (S + 1, N, 3), changed."""
+    i, own = track.bodies[0], track.motion.x
+    if len(track.bodies) == 2:
+        j = track.bodies[1]
+        apart = distance(x[:, i], x[:, j])
+        normal, excess = (x[:, i] - x[:, j]) / apart.astype(float)[:, None], apart - distance(own[:, 0], own[:, 1])
+    else:
+        normal = np.broadcast_to((*NORMALS[_wall_of(track.frame)], 0.0), x[:, i].shape)
+        excess = (x[:, i].astype(np.longdouble) * normal).sum(axis=-1) - own[:, 0, 0]
+    x[:, i] = settled(x[:, i], normal, excess)
 
 
 def _particles(tracks: tuple[Track, ...], path: Prescribed, dimension: int, grains: Grains) -> Particles:
@@ -125,7 +143,7 @@ def _places(tracks: tuple[Track, ...], partner: Partner, dimension: int) -> np.n
     """Origins of the contacts, (tracks, 3)."""
     if partner == "pair":
         return PAIR_SPACING * _lattice(len(tracks), dimension)
-    tilted = np.array([t.frame.name == "tilted" for t in tracks])
+    tilted = np.array([_wall_of(t.frame) == "tilted" for t in tracks])
     places = np.empty((len(tracks), 3))
     places[~tilted] = _along_plane((~tilted).sum(), np.array([-1.0, 0.0]), dimension)
     places[tilted] = _along_plane(tilted.sum(), np.array([math.cos(TILT), math.sin(TILT)]), dimension)
@@ -150,11 +168,15 @@ def _along_plane(count: int, uphill: np.ndarray, dimension: int) -> np.ndarray:
 def _walls(dimension: int) -> tuple[Wall, ...]:
     """The level plane y = 0 on the left and the tilted one on the right, both through the origin."""
     out_of_plane = (0.0,) * (dimension - 2)
-    normals = {"level": (0.0, 1.0), "tilted": (-math.sin(TILT), math.cos(TILT))}
     return tuple(
         Wall(index=k + 1, name=name, point=(0.0, 0.0, *out_of_plane), normal=(*normal, *out_of_plane), friction=True)
-        for k, (name, normal) in enumerate(normals.items())
+        for k, (name, normal) in enumerate(NORMALS.items())
     )
+
+
+def _wall_of(frame: Frame) -> str:
+    """Name of the plane that bodies in this frame touch."""
+    return "tilted" if frame.name == "tilted" else "level"
 
 
 def _with_z(vectors: np.ndarray) -> np.ndarray:

@@ -6,8 +6,7 @@ limits of friction that the motions go beyond and back, and damping that carries
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from harness.scene.contact import (
     ConstantRolling,
@@ -33,19 +32,11 @@ TOLERANCE = 1e-12
 
 
 @dataclass(frozen=True, kw_only=True)
-class Allowance:
-    """A tolerance other than `TOLERANCE` for one engine, and why rounding needs it."""
-
-    tolerance: float
-    reason: str
-
-
-@dataclass(frozen=True, kw_only=True)
 class Laws:
     """One combination of laws.
 
     grains: of its pairs. floor: whether its collisions include those with a floor, which one code or another cannot
-    compute in the same run as pairs. allowances: by engine, only where conditioning explains it.
+    compute in the same run as pairs.
     """
 
     name: str
@@ -56,15 +47,10 @@ class Laws:
     dimensions: tuple[int, ...] = (2, 3)
     grains: Grains = UNEQUAL
     floor: bool = True
-    allowances: Mapping[str, Allowance] = field(default_factory=dict)
 
     def tables(self) -> dict[str, object]:
         """Return the four tables as a System takes them."""
         return {k: getattr(self, k) for k in ("normal", "sliding", "rolling", "torsion")}
-
-    def allowance(self, engine: str) -> Allowance:
-        """Return what is allowed to this engine."""
-        return self.allowances.get(engine, Allowance(tolerance=TOLERANCE, reason=""))
 
 
 LINEAR = LinearNormal(normal_stiffness=1e5, normal_damping=1.0, attraction="allowed")
@@ -98,12 +84,6 @@ ROLLING = SpringRolling(rolling_friction=0.11, rolling_stiffness=1e4, rolling_da
 ROLLING_CONSTANT = ConstantRolling(rolling_friction=0.11)
 TORSION = SpringTorsion(torsion_friction=0.11, torsion_stiffness=1e4, torsion_damping=0.05)
 
-FIRST_TOUCH = {"liggghts": Allowance(
-    tolerance=1e-11,
-    reason="a tilted plane is a mesh: its distance is rounded by 1e-13 of the overlaps; near first touch sqrt(delta) "
-    "in stiffness and limit makes 1e-12 to 4e-12 of it, as the mesh lies",
-)}
-
 _ROWS = (
     Laws(name="linear", normal=LINEAR),
     Laws(name="linear_clipped", normal=CLIPPED),
@@ -118,7 +98,7 @@ _ROWS = (
     Laws(name="linear+spring_dynamic", normal=LINEAR, sliding=DYNAMIC),
     Laws(name="elastic+spring_damped", normal=ELASTIC, sliding=DAMPED_SPRING),
     Laws(name="linear+viscous", normal=LINEAR, sliding=VISCOUS),
-    Laws(name="hertz+mindlin", normal=HERTZ, sliding=MINDLIN, allowances=FIRST_TOUCH),
+    Laws(name="hertz+mindlin", normal=HERTZ, sliding=MINDLIN),
     Laws(name="hertz+viscous", normal=HERTZ, sliding=VISCOUS),
     Laws(name="hysteretic+spring", normal=HYSTERETIC_DAMPED, sliding=SPRING),
     Laws(name="hysteretic+spring_dynamic", normal=HYSTERETIC_DAMPED, sliding=DYNAMIC),

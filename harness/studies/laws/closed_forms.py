@@ -75,7 +75,7 @@ def expected(
         raise ValueError(f"{motion.name}: the normal turns, there is no closed form")
     c = contact_of(motion, partner, grains, convention)
     total, elastic = normal_force(laws.normal, c), normal_force(laws.normal, c, damped=False)
-    base = _base(laws.normal, c, total)
+    base = limit_base(laws.normal, c, total)
     along = np.zeros(len(total)) if laws.sliding is None else sliding_force(laws, c, base, total)
     couple = np.zeros(len(total)) if laws.rolling is None else rolling_couple(laws.rolling, c, base, elastic)
     about = np.zeros(len(total)) if laws.torsion is None else torsion_couple(laws.torsion, c, base)
@@ -171,7 +171,7 @@ def _(law: JkrNormal, c: Contact, *, damped: bool = True) -> np.ndarray:
     )
 
 
-def _base(law, c: Contact, total: np.ndarray) -> np.ndarray:
+def limit_base(law, c: Contact, total: np.ndarray) -> np.ndarray:
     """What coefficients of friction are multiplied by, (S,) in N: f_n + k_c delta, its size or its positive part."""
     if isinstance(law, HystereticNormal | VariableHystereticNormal):
         total = total + law.adhesion_stiffness * np.maximum(c.overlap, 0.0)

@@ -7,11 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from harness.engines.registry import KERNEL_PREFIX
+from harness.engines.registry import KERNEL_PREFIX, kernel_of
 from harness.runs.folder import runs_root
 from harness.runs.pool import run_many
 from harness.runs.progress import Silent
 from harness.studies.laws.collisions import Exit, collision_system, exit_check, exits, whole_checks, without_kernel
+from harness.studies.laws.direct import code_pairs, direct_collisions
+from harness.studies.laws.flights import flown
+from harness.studies.laws.judge import STEPPED
 from harness.studies.laws.matrix import Answered, Cell, make_cell
 from harness.studies.verdict import Check
 
@@ -55,9 +58,10 @@ def collide(
     )
     made = {(each.name, e.name): d for (each, e), d in zip(plan, done, strict=True)}
     results = [_judge(each, e.name, made, rerun(each.name, e.name)) for each in laws for e in engines]
+    direct = [c for each in laws for c in _codes_directly(each, engines, made, rerun)]
     return Collided(
         cells=tuple(cell for cell, _, _ in results), exits=tuple(x for _, found, _ in results for x in found),
-        checks=tuple(c for _, _, checks in results for c in checks),
+        checks=(*(c for _, _, checks in results for c in checks), *direct),
     )
 
 
@@ -71,7 +75,7 @@ def _judge(laws: Laws, engine: str, made: Made, rerun: str) -> tuple[Cell, list[
     checks: list[Check] = []
     if run is not None:
         found = exits(laws, engine, run)
-        checks = _against_kernel(laws, engine, run, _of(made, laws, KERNEL_PREFIX + engine), rerun)
+        checks = _against_kernel(laws, engine, run, _of(made, laws, kernel_of(engine)), rerun)
         checks += [exit_check(x, rerun) for x in found]
     o = one.outcome
     reason = f"{o.reason}; reproduce: {o.reproduce}" if o.reproduce and o.reason else o.reason
@@ -80,14 +84,27 @@ def _judge(laws: Laws, engine: str, made: Made, rerun: str) -> tuple[Cell, list[
 
 
 def _against_kernel(laws: Laws, engine: str, run: Trajectory, kernel: Done | None, rerun: str) -> list[Check]:
-    """Nothing for the kernel itself."""
+    """Nothing for the kernel itself; where it lacks a law that is simple enough, bodies are flown without it."""
     if engine.startswith(KERNEL_PREFIX):
         return []
     reference = None if kernel is None else _trajectory(kernel)
-    if reference is None:
-        why = "the kernel has no such conventions" if kernel is None else kernel.outcome.reason
-        return [without_kernel(laws, engine, why)]
-    return whole_checks(laws, engine, run, reference, rerun)
+    if reference is not None:
+        return whole_checks(laws, engine, run, reference, rerun, right=kernel_of(engine))
+    alone = flown(laws, collision_system(laws))
+    if alone is not None:
+        return whole_checks(laws, engine, run, alone, rerun, right=STEPPED)
+    why = "the kernel has no such conventions" if kernel is None else kernel.outcome.reason
+    return [without_kernel(laws, engine, why)]
+
+
+def _codes_directly(laws: Laws, engines: Sequence[Engine], made: Made, rerun: Callable[[str, str], str]) -> list[Check]:
+    """Return the checks of codes against each other."""
+    of = {e.name: _of(made, laws, e.name) for e in engines}
+    runs = {name: run for name, done in of.items() if done and (run := _trajectory(done)) is not None}
+    return [
+        c for pair in code_pairs(e.name for e in engines)
+        for c in direct_collisions(laws, runs, pair, rerun(laws.name, ",".join(pair)))
+    ]
 
 
 def _of(made: Made, laws: Laws, engine: str) -> Done | None:
@@ -124,7 +141,7 @@ class _Folded:
     def done(self, job: int, line: str) -> None:  # noqa: ARG002
         self._ended += 1
         if self._ended == self._count:
-            self._shown.done(0, f"{self._label}: {self._count} runs ended")
+            self._shown.done(0, f"{self._label}: {self._count} runs ended, or were there already")
 
     def end(self) -> None:
         self._shown.end()

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from harness.engines.registry import KERNEL_PREFIX
+from harness.engines.registry import kernel_of
 from harness.scene.system import INERTIA_FACTOR, Particles, System, Wall
 from harness.studies.compare.free import COLUMNS
 from harness.studies.compare.growth import column_deviation, displacement_deviation
@@ -127,13 +127,15 @@ class Exit:
         return abs(self.found - self.value.value) / abs(self.value.value)
 
 
-def whole_checks(laws: Laws, engine: str, run: Trajectory, kernel: Trajectory, rerun: str) -> list[Check]:
-    """Return the checks of whole collisions against the kernel in the engine's conventions."""
-    deviations = {"displacement": displacement_deviation(run, kernel)}
-    deviations |= {name: column_deviation(run, kernel, columns) for name, columns in COLUMNS.items()}
+def whole_checks(
+    laws: Laws, engine: str, run: Trajectory, reference: Trajectory, rerun: str, *, right: str
+) -> list[Check]:
+    """Return the checks of whole collisions against `right`: the kernel in the engine's conventions, or what flies."""
+    deviations = {"displacement": displacement_deviation(run, reference)}
+    deviations |= {name: column_deviation(run, reference, columns) for name, columns in COLUMNS.items()}
     return [
         judged(
-            level="L1", quantity=f"{laws.name}: collisions, {name}", left=engine, right=KERNEL_PREFIX + engine,
+            level="L1", quantity=f"{laws.name}: collisions, {name}", left=engine, right=right,
             deviation=0.0 if deviation is None else deviation, tolerance=TOLERANCE, rerun=rerun,
             why=f"largest over {len(run) - 1} frames and all bodies",
         )
@@ -144,7 +146,7 @@ def whole_checks(laws: Laws, engine: str, run: Trajectory, kernel: Trajectory, r
 def without_kernel(laws: Laws, engine: str, why: str) -> Check:
     """Return the check that there is no kernel to compare with."""
     return not_checked(
-        level="L1", quantity=f"{laws.name}: collisions", left=engine, right=KERNEL_PREFIX + engine,
+        level="L1", quantity=f"{laws.name}: collisions", left=engine, right=kernel_of(engine),
         tolerance=TOLERANCE, why=why,
     )
 

@@ -1,37 +1,36 @@
 """Drive every engine along the paths: one folder, one child process a run; what it answers is a value.
 
-Nothing of these runs is kept but deck, log and the outcome: reactions are large, and made again in a second.
+Finished runs are kept, verified and never made twice, as all runs are.
 """
 
 from __future__ import annotations
 
-import hashlib
 import os
-import shutil
 import threading
-import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
+from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from harness import SCHEMA
 from harness.engines.child import children_stopped
-from harness.engines.protocol import PATH_FILE, REACTION_FILE, REFUSED, Prescribed, Reaction
-from harness.runs.folder import RunFolder
-from harness.runs.outcome import Status
+from harness.engines.protocol import REFUSED, Reaction
+from harness.runs.execute import outcome_of
+from harness.runs.folder import deck_digest
+from harness.runs.outcome import Outcome, Status, write_outcome
 from harness.runs.pool import terminable
 from harness.studies.laws.arrangement import Arrangement
+from harness.studies.laws.kept import PathFile, PrescribedFolder, keep_reaction, read_reaction
 
 if TYPE_CHECKING:
-    from harness.engines.protocol import Engine, Probe, Support
+    from harness.engines.protocol import Engine, Probe, RunResult, Support
     from harness.scene.system import System
     from harness.studies.laws.cases import Laws
 
-RECORD = "run.json"
+POLL = 1.0
+"""Seconds between two words to whoever waits."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,15 +44,18 @@ class Job:
 
 @dataclass(frozen=True, kw_only=True)
 class Driven:
-    """What became of a job. reason: one line, empty when completed. notes: what the engine computes only in part."""
+    """What became of a job. reason: one line, empty when completed. notes: what the engine computes only in part.
+
+    kept: made by an earlier call.
+    """
 
     job: Job
     status: Status
     reason: str
     notes: tuple[str, ...] = ()
     reaction: Reaction | None = None
-    seconds: float = 0.0
     folder: Path | None = None
+    kept: bool = False
 
     @property
     def engine(self) -> str:
@@ -73,23 +75,31 @@ def part_name(arrangement: Arrangement) -> str:
 
 @dataclass(kw_only=True)
 class Driver:
-    """Where runs are made and how. probes: asked once an engine."""
+    """Where runs are made and how. making: names of the laws of which a run is really made."""
 
     root: Path
     time_limit: float
     workers: int
+    making: set[str] = field(default_factory=set)
     _probes: dict[str, Probe] = field(default_factory=dict)
+    _paths: dict[int, tuple[Arrangement, PathFile]] = field(default_factory=dict)
     _lock: threading.Lock = field(default_factory=threading.Lock)
 
-    def each(self, groups: Sequence[Sequence[Job]]) -> Iterator[list[Driven]]:
+    def each(
+        self, groups: Sequence[Sequence[Job]], waiting: Callable[[int, float], None] | None = None
+    ) -> Iterator[list[Driven]]:
         """Yield what became of each group of jobs, in the order given; later groups go on meanwhile.
 
-        An interrupt ends the engines at once and goes on as KeyboardInterrupt or SystemExit.
+        waiting: told about once a second which group is waited for, and which part of it is done. An interrupt ends
+        the engines at once and goes on as KeyboardInterrupt or SystemExit.
         """
         with terminable(), ThreadPoolExecutor(self.workers) as pool:
             futures = [[pool.submit(self.drive, job) for job in group] for group in groups]
             try:
                 for k, group in enumerate(futures):
+                    while wait(group, timeout=POLL).not_done:
+                        if waiting:
+                            waiting(k, sum(f.done() for f in group) / len(group))
                     yield [f.result() for f in group]
                     futures[k] = []
             except BaseException:
@@ -110,42 +120,28 @@ class Driver:
         return self._run(job, system, probe, notes)
 
     def _run(self, job: Job, system: System, probe: Probe, notes: tuple[str, ...]) -> Driven:
-        folder = self._folder(job, system, probe)
-        start = time.monotonic()
+        deck, path = job.engine.render_prescribed(system), self._path(job.arrangement)
+        folder = PrescribedFolder.of(self.root, system, job.engine.name, probe.version, path=path.digest)
+        made = partial(outcome_of, job.engine, system, probe, deck_digest=deck_digest(deck), partial=notes)
+        run = _Run(job=job, folder=folder, deck=deck, path=path, time_limit=self.time_limit)
         with folder.lock():
-            folder.prepare(job.engine.render_prescribed(system))
-            self._put_path(job.arrangement, folder.path)
-            result = job.engine.run_prescribed(folder.path, time_limit=self.time_limit)
-            status, reason, reaction = result.status, result.reason or "the engine gave no reason", None
-            if status == "completed":
-                status, reason, reaction = _answer(folder.path / REACTION_FILE, job.arrangement.path)
-            _record(folder.path, status, reason, result)
+            kept = folder.completed(deck)
+            if kept is None:
+                self.making.add(job.laws.name)
+                status, reason, reaction = run.make(made)
+            else:
+                status, reason, reaction = run.read()
         return Driven(
             job=job, status=status, reason=reason, notes=notes, reaction=reaction, folder=folder.path,
-            seconds=time.monotonic() - start,
+            kept=kept is not None,
         )
 
-    def _folder(self, job: Job, system: System, probe: Probe) -> RunFolder:
-        identity = {
-            "system": system.identity(), "path": digest(job.arrangement.path), "engine": job.engine.name,
-            "version": probe.version, "schema": SCHEMA,
-        }
-        name = f"{_name(job)}-{job.engine.name.replace(':', '-')}"
-        return RunFolder(root=self.root.absolute(), name=name, identity=identity)
-
-    def _put_path(self, arrangement: Arrangement, folder: Path) -> None:
-        """The same path for all laws: one file, linked where the file system can."""
-        shared = self.root.absolute() / "paths" / f"{digest(arrangement.path)[:16]}.npz"
+    def _path(self, arrangement: Arrangement) -> PathFile:
+        """The same file for all laws; an arrangement that is kept here keeps its identity."""
         with self._lock:
-            if not shared.exists():
-                shared.parent.mkdir(parents=True, exist_ok=True)
-                part = shared.with_name(f".{os.getpid()}.npz")
-                np.savez(part, **vars(arrangement.path))
-                os.replace(part, shared)
-        try:
-            os.link(shared, folder / PATH_FILE)
-        except OSError:
-            shutil.copyfile(shared, folder / PATH_FILE)
+            if id(arrangement) not in self._paths:
+                self._paths[id(arrangement)] = arrangement, PathFile.of(self.root.absolute(), arrangement.path)
+            return self._paths[id(arrangement)][1]
 
     def _probe(self, engine: Engine) -> Probe:
         with self._lock:
@@ -154,42 +150,50 @@ class Driver:
             return self._probes[engine.name]
 
 
-def digest(path: Prescribed) -> str:
-    """SHA-256 of the path's numbers."""
-    h = hashlib.sha256()
-    for name in ("x", "v", "spin"):
-        h.update(np.ascontiguousarray(getattr(path, name), "<f8").tobytes())
-    return h.hexdigest()
+@dataclass(frozen=True, kw_only=True)
+class _Run:
+    """One run that is made, or was."""
+
+    job: Job
+    folder: PrescribedFolder
+    deck: Mapping[str, str]
+    path: PathFile
+    time_limit: float
+
+    def read(self) -> Answered:
+        """Return what an earlier call kept; the path beside it is put back where it was lost."""
+        self.path.put(self.folder.path)
+        return read_reaction(self.folder.trajectory, self.job.arrangement.path)
+
+    def make(self, outcome: Callable[..., Outcome]) -> Answered:
+        """Make the folder, run, keep the reaction; outcome.json is the last file written."""
+        start = {"started": datetime.now(UTC), "load_average": os.getloadavg()[0]}
+        self.folder.prepare(self.deck)
+        self.path.put(self.folder.path)
+        result = self.job.engine.run_prescribed(self.folder.path, time_limit=self.time_limit)
+        status, reason, reaction = self._answer(result)
+        record = None if reaction is None else keep_reaction(self.folder.trajectory, reaction)
+        write_outcome(self.folder.outcome, outcome(
+            **start, status=status, reason=reason, trajectory=record, cpu_seconds=result.cpu_seconds,
+            wall_seconds=result.wall_seconds, last_lines=result.last_lines, timings=result.timings,
+        ))
+        return status, reason, reaction
+
+    def _answer(self, result: RunResult) -> Answered:
+        if result.status != "completed":
+            return result.status, result.reason or "the engine gave no reason", None
+        if not self.path.is_in(self.folder.path):
+            return "crashed", "the path was changed while the engine ran", None
+        return read_reaction(self.folder.trajectory, self.job.arrangement.path)
+
+
+Answered = tuple[Status, str, Reaction | None]
+"""Status, reason, and the reaction of a completed run."""
 
 
 def _name(job: Job) -> str:
     a = job.arrangement
     return f"{job.laws.name}-{a.partner}-{a.dimension}d"
-
-
-def _answer(file: Path, path: Prescribed) -> tuple[Status, str, Reaction | None]:
-    """Read the reaction and remove its file; anything but finite numbers of the right shape is no answer."""
-    try:
-        with np.load(file) as found:
-            reaction = Reaction(force=found["force"], torque=found["torque"])
-    except (OSError, ValueError, KeyError) as error:
-        return "crashed", f"{REACTION_FILE} cannot be read: {error}", None
-    file.unlink()
-    if reaction.force.shape != path.x[1:].shape or reaction.torque.shape != path.spin[1:].shape:
-        shapes = f"{reaction.force.shape} and {reaction.torque.shape}"
-        return "crashed", f"force and torque have the shapes {shapes}", None
-    if not (np.isfinite(reaction.force).all() and np.isfinite(reaction.torque).all()):
-        return "unstable", "forces or torques are not finite", None
-    return "completed", "", reaction
-
-
-def _record(folder: Path, status: str, reason: str, result) -> None:
-    from harness.runs.atomic import write_json_atomic
-
-    write_json_atomic(folder / RECORD, {
-        "status": status, "reason": reason, "cpu_seconds": result.cpu_seconds, "wall_seconds": result.wall_seconds,
-        "last_lines": result.last_lines,
-    })
 
 
 def _stop(futures: list[Future]) -> None:

@@ -6,9 +6,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from harness.engines.registry import KERNEL_PREFIX
+from harness.engines.registry import kernel_of
 from harness.runs.outcome import Status
-from harness.studies.laws.judge import CLOSED_FORM, PLAIN_FRAME
+from harness.studies.laws.direct import DirectCheck
+from harness.studies.laws.judge import CLOSED_FORM, PLAIN_FRAME, STEPPED
 from harness.studies.verdict import Check
 
 Shown = Literal["measured", "not compared", "unsupported", "known wrong", "unavailable", "failed"]
@@ -52,11 +53,11 @@ class Cell:
 def make_cell(laws: str, engine: str, runs: Sequence[Answered], checks: Iterable[Check]) -> Cell:
     """Return the cell of what was run and checked; the worst run decides what is shown."""
     facts = {"laws": laws, "engine": engine}
-    checks = [c for c in checks if c.right != PLAIN_FRAME]
+    checks = [c for c in checks if c.right != PLAIN_FRAME and not isinstance(c, DirectCheck)]
     differs = any(c.verdict == "differs" for c in checks)
     failed = [r for r in runs if r.status in ("crashed", "unstable", "timed_out")]
     if failed:
-        return _empty(facts, "failed", f"{failed[0].part}: {failed[0].status}: {failed[0].reason}")
+        return _empty(facts, "failed", "; ".join(f"{r.part}: {r.status.replace('_', ' ')}: {r.reason}" for r in failed))
     missing = [r for r in runs if r.status in ("unsupported", "unavailable")]
     if len(missing) == len(runs):
         return _empty(facts, _why_missing(missing[0]), missing[0].reason)
@@ -71,12 +72,29 @@ def make_cell(laws: str, engine: str, runs: Sequence[Answered], checks: Iterable
 
 
 def _compared(engine: str, checks: list[Check]) -> tuple[str, list[Check]]:
-    """A code is compared with the kernel where the kernel has the law; kernels and others with closed forms."""
+    """A code is compared with the kernel where the kernel has the law; kernels and others with closed forms.
+
+    Of collisions closed forms know the exits alone, to the order of the time step: whole ones are stepped.
+    """
     made = [c for c in checks if c.deviation is not None]
-    with_kernel = [c for c in made if c.right == KERNEL_PREFIX + engine]
-    if with_kernel:
-        return KERNEL_PREFIX + engine, with_kernel
+    for right in (kernel_of(engine), CLOSED_FORM, STEPPED):
+        found = [c for c in made if c.right == right]
+        if found:
+            return right, found
     return CLOSED_FORM, made
+
+
+def direct_cell(laws: str, pair: tuple[str, str], checks: Iterable[Check]) -> Cell:
+    """Return the cell of two codes against each other: the largest of what their conventions make of it."""
+    found = [c for c in checks if isinstance(c, DirectCheck) and (c.laws, c.left, c.right) == (laws, *pair)]
+    facts = {"laws": laws, "engine": f"{pair[0]} - {pair[1]}"}
+    if not found:
+        return _empty(facts, "not compared", "not both compute it")
+    worst = max(found, key=lambda c: c.deviation if c.deviation == c.deviation else float("inf"))
+    return Cell(
+        **facts, shown="measured", deviation=worst.deviation, against=pair[1], note=f"{worst.what}: {worst.why}",
+        differs=any(c.verdict == "differs" for c in found),
+    )
 
 
 def _why_missing(run: Answered) -> Shown:

@@ -226,8 +226,11 @@ def _mixed_at_plane(
 
 
 def _mixed_overlap(time: np.ndarray) -> np.ndarray:
-    """Apart at first and at last, two contacts with ripples."""
-    return UNIT * (20.0 - 28.5 * np.cos(2.0 * _phase(time)) + 5.0 * np.sin(5.3 * _phase(time)))
+    """Apart at first and at last, two contacts with ripples, no row with an overlap between 0 and one unit.
+
+    Square roots of the overlap would there amplify the rounding of coordinates, whatever the code.
+    """
+    return UNIT * (20.0 - 31.5 * np.cos(2.0 * _phase(time)) + 6.0 * np.sin(7.3 * _phase(time) + 3.6))
 
 
 def _mixed_spins(time: np.ndarray, *, bodies: int) -> np.ndarray:

@@ -25,6 +25,7 @@ class ConstantRolling(CoupleLaw):
     """
 
     choices: ClassVar[dict[str, str]] = {"algorithm": "constant_rolling"}
+    first_order: ClassVar[str] = "its couple jumps with the direction of rolling, and begins and ends with the step"
 
     rolling_friction: float
     normal: NormalLaw

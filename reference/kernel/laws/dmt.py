@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -21,6 +22,8 @@ class DmtNormal(NormalLaw):
 
     The pull begins and ends with the overlap.
     """
+
+    first_order: ClassVar[str] = "the pull jumps where a contact begins and ends, which no impulse corrects"
 
     youngs_modulus: float
     poisson_ratio: float

@@ -19,6 +19,7 @@ class PlasticNormal(NormalLaw):
     """What the laws with plastic loading share: f_n = f_el - gamma_n v_n, memory delta_max, (1, M) in m."""
 
     onset: ClassVar[tuple[float, float] | None] = (1.0, 0.0)
+    first_order: ClassVar[str] = "with friction: branches meet in kinks within a step, which are not looked for"
 
     loading_stiffness: float
     adhesion_stiffness: float

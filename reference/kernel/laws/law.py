@@ -22,6 +22,9 @@ class Law:
 
     choices: ClassVar[dict[str, str]] = {}
 
+    first_order: ClassVar[str] = ""
+    """Where and why the scheme of `reference.kernel.corrected` stays of first order with this law; "": nowhere."""
+
     @property
     def needs(self) -> frozenset[str]:
         """Names of the fields of `Touching` that the law reads, beyond i, j, n, overlap, v_n."""

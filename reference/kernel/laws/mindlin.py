@@ -23,6 +23,7 @@ class MindlinSliding(SlidingLaw):
     """
 
     choices: ClassVar[dict[str, str]] = {"algorithm": "sliding"}
+    first_order: ClassVar[str] = "on a damped Hertz contact, which is singular where it begins"
 
     shear_friction: float
     normal: HertzNormal

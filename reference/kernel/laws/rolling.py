@@ -27,6 +27,7 @@ class SpringRolling(CoupleLaw):
     """
 
     choices: ClassVar[dict[str, str]] = {"algorithm": "rolling", "frame": "rolling_frame"}
+    first_order: ClassVar[str] = "its spring is stretched by the last rate, and begins and ends with the step"
 
     rolling_friction: float
     rolling_stiffness: float

@@ -21,6 +21,7 @@ class SpringSliding(SlidingLaw):
     """
 
     choices: ClassVar[dict[str, str]] = {"algorithm": "sliding"}
+    first_order: ClassVar[str] = "with a dashpot on a damped Hertz contact, which is singular where it begins"
 
     shear_friction: float
     shear_stiffness: float

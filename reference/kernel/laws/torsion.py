@@ -24,6 +24,7 @@ class SpringTorsion(CoupleLaw):
     """
 
     choices: ClassVar[dict[str, str]] = {"algorithm": "torsion"}
+    first_order: ClassVar[str] = "its spring is stretched by the last rate, and begins and ends with the step"
 
     torsion_friction: float
     torsion_stiffness: float

@@ -11,6 +11,7 @@ not depend on where blocks end: every node is first a j, then an i, in the order
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -23,6 +24,14 @@ from reference.kernel.vectors import norm
 
 BLOCK = 8192
 """Pairs of a block, about: the twenty buffers or so of a step are then as large as a core's second cache."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Remembered:
+    """What pairs remember, by key: keys (P,) ascending, history (rows, P) by family; empty without history."""
+
+    keys: np.ndarray
+    history: dict[str, np.ndarray]
 
 
 class PairList:
@@ -63,18 +72,23 @@ class PairList:
         """One number a pair, (P,)."""
         return self.i * nodes + self.j
 
-    def inherit(self, old: PairList, nodes: int) -> None:
+    def remembered(self, nodes: int) -> Remembered:
+        """Return what a new list needs of this one, which can then go: its arrays are as many as the new one's."""
+        if not self.history:
+            return Remembered(keys=np.empty(0, np.intp), history={})
+        keys = self.keys(nodes)
+        order = np.argsort(keys)
+        return Remembered(keys=keys[order], history={name: kept[:, order] for name, kept in self.history.items()})
+
+    def inherit(self, old: Remembered, nodes: int) -> None:
         """Take the history of pairs that were listed before."""
-        old_keys = old.keys(nodes)
-        order = np.argsort(old_keys)
-        known = old_keys[order]
-        if not len(known):
+        if not len(old.keys):
             return
         key = self.keys(nodes)
-        place = np.minimum(np.searchsorted(known, key), len(known) - 1)
-        same = known[place] == key
+        place = np.minimum(np.searchsorted(old.keys, key), len(old.keys) - 1)
+        same = old.keys[place] == key
         for name, values in self.history.items():
-            values[:, same] = old.history[name][:, order[place[same]]]
+            values[:, same] = old.history[name][:, place[same]]
 
 
 def normals(model: Model, state: State, i: np.ndarray, j: np.ndarray) -> np.ndarray:
@@ -102,8 +116,8 @@ def _find(model: Model, x: np.ndarray, state: State, skin: float):
     i, j = pairs_within(model, x[:, : model.particle_count], skin)
     if model.rings:
         i, j = np.hstack([(i, j), ring_pairs_within(model, x, state.radius, skin)])
-    order = np.lexsort((j, i))
-    all_i, all_j, slices, start = [i[order]], [j[order]], {}, len(i)
+    i, j = np.divmod(np.sort(i * x.shape[1] + j), x.shape[1])
+    all_i, all_j, slices, start = [i], [j], {}, len(i)
     for k in sorted(range(len(model.walls)), key=lambda k: _rough_first_then_by_axis(model.walls[k])):
         particle, wall = wall_pairs_within(model, x, state.wall_normal, (k,), skin)
         if len(particle):
@@ -112,4 +126,4 @@ def _find(model: Model, x: np.ndarray, state: State, skin: float):
             all_j.append(wall[order])
             slices[k] = slice(start, start + len(particle))
             start += len(particle)
-    return np.concatenate(all_i).astype(np.intp), np.concatenate(all_j).astype(np.intp), slices
+    return np.concatenate(all_i, dtype=np.intp), np.concatenate(all_j, dtype=np.intp), slices

@@ -51,6 +51,8 @@ class ProgramSimulation:
         self.skin = self._textbook.skin
         self.rebuilds = 0
         state = self._textbook.state
+        if model.convention.scheme == "leapfrog":
+            self._textbook_forgets_forces()
         self._dimension = DIMENSIONS[model.dimension]
         self._memories = memories(model)
         self.nodes: Nodes = self._dimension.nodes(model, state, spin_unit=spin_unit(model, state.radius))
@@ -140,7 +142,8 @@ class ProgramSimulation:
         """Find the pairs anew and compose the program for them."""
         if not np.isfinite(self.nodes.place_vector).all():
             raise KernelUnstable(f"step {self.walls.step}: a position is no longer a finite number")
-        old, state = self._pairs, self._textbook.state
+        old = None if self._pairs is None else self._pairs.remembered(self.nodes.count)
+        self._pairs, self._program, state = None, None, self._textbook.state
         rows = {family: memory.rows for family, memory in self._memories.items()} | history_rows(self.model)
         self._pairs = PairList(
             self.model, self.nodes.places(), state, skin, history=rows, kind=self._dimension.contacts,
@@ -190,6 +193,7 @@ class ProgramSimulation:
     def _hand_over(self) -> None:
         """Bring the textbook simulation to the state of now, for everything that only looks."""
         if self._in_step:
+            self._recall_set_up()
             return
         state = self._textbook.state
         half = self.nodes.half_step_velocities()
@@ -203,14 +207,29 @@ class ProgramSimulation:
             interaction.last = self._as_they_acted(interaction, forces, rows[forces.touching])
         self._in_step = True
 
+    def _textbook_forgets_forces(self) -> None:
+        """Those of the set-up take much room, and are wanted only by who looks before the first step."""
+        for interaction in self._textbook.interactions:
+            interaction.last = None
+
+    def _recall_set_up(self) -> None:
+        """Make the forces of the set-up again, from contacts that remembered nothing."""
+        state = self._textbook.state
+        for interaction in self._textbook.interactions:
+            if interaction.last is None:
+                kept = interaction.pairs.memory
+                interaction.pairs.memory = {family: np.zeros_like(memory) for family, memory in kept.items()}
+                interaction.last = interaction.evaluate(state, state.v, state.spin, self.model.dt, advance=False)
+                interaction.pairs.memory = kept
+
     def _let_go(self) -> None:
         """Before steps: the textbook's contacts and what they remember are no longer those of now."""
         if not self._in_step:
             return
         nothing = np.empty(0, np.intp)
+        self._textbook_forgets_forces()
         for interaction in self._textbook.interactions:
             interaction.pairs.replace(nothing, nothing)
-            interaction.last = None
         self._in_step = False
 
     def _as_they_acted(self, interaction: Interaction, forces: Forces, rows: np.ndarray) -> Forces:

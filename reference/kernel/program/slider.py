@@ -10,7 +10,8 @@ Where a spring turns it does so first; its length is kept, but not in LIGGGHTS::
 
 cut() shortens to mu f what is longer. With a dynamic coefficient it gives mu_d f to what slides: to what is longer than
 mu f or, in a contact that slid before (1 in the last row of the memory), than mu_d f. There the `talk` holds
-T + gamma v + k dt v against mu_d f. In the `talk` everything slides where the limit is 0. Where nothing touches f = v = 0, so that T becomes 0: what opens forgets.
+T + gamma v + k dt v against mu_d f; everything slides there where the limit is 0. Where nothing touches f = v = 0, so
+that T becomes 0: what opens forgets.
 """
 
 from __future__ import annotations

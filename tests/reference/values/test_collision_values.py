@@ -4,7 +4,9 @@ import math
 
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
+from reference.analytic.adhesive_collision import JkrCollision
 from reference.analytic.hertz_collision import HertzCollision, damping_factor_for_restitution, hertz_stiffness
 from reference.analytic.hysteretic_collision import ConstantUnloading, OverlapUnloading
 from reference.analytic.linear_collision import LinearCollision
@@ -130,9 +132,43 @@ def test_impulse_of_coulombs_limit_gives_the_same():
     assert impulse / M_I + impulse / M_J == pytest.approx(published_values()["velocity_gained_by_sliding"].value)
 
 
+JKR = JkrCollision(effective_modulus=MODULUS, effective_radius=RADIUS, reduced_mass=MASS, surface_energy=5.0)
+LET_GO = (9 * math.pi * 5.0 * RADIUS**2 / (4 * MODULUS)) ** (1 / 3)
+"""Contact radius of the largest pull."""
+
+
+def left_with(rates, start: float, end: float) -> float:
+    """Restitution of a motion whose first variable begins at touch and ends where the contact lets go."""
+    def over(_, y):
+        return y[0] - end
+
+    over.terminal, over.direction = True, -1
+    run = solve_ivp(rates, (0.0, 1.0), [start, SPEED], events=over, rtol=1e-11, atol=1e-17, max_step=2e-6)
+    return -run.y[1, -1] / SPEED
+
+
+def overlap_rates(_, y):
+    radius = brentq(lambda a: JKR.overlap(a) - y[0], JKR.tearing_radius, 1e3 * JKR.touching_radius, xtol=1e-20)
+    return [y[1], -(JKR.force(radius) + 0.1 * y[1]) / MASS]
+
+
+def radius_rates(_, y):
+    slope = 2 * y[0] / RADIUS - math.sqrt(math.pi * 5.0 / (MODULUS * y[0]))
+    return [y[1] / slope, -(JKR.force(y[0]) + 0.1 * y[1]) / MASS]
+
+
+def test_jkr_integrated_in_the_overlap_and_in_the_contact_radius():
+    """There is no closed form with a dashpot: two integrations, in different variables."""
+    value = published_values()["restitution_jkr"]
+    assert left_with(radius_rates, JKR.touching_radius, LET_GO) == pytest.approx(value.value, rel=1e-9)
+    assert left_with(overlap_rates, 0.0, JKR.overlap(LET_GO)) == pytest.approx(value.value, rel=1e-9)
+    assert JKR.force(LET_GO) == pytest.approx(-JKR.pull_off_force, rel=1e-12)
+    assert value.kind == "analytical"
+
+
 def test_every_analytical_value_is_derived_here():
     analytical = {name for name, v in published_values().items() if v.kind == "analytical"}
-    assert analytical == set(CLOSED_FORMS)
+    assert analytical == {*CLOSED_FORMS, "restitution_jkr"}
 
 
 ANALYTICAL = """

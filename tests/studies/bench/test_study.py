@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from harness.engines.benches import KERNEL
-from harness.studies.bench import bench
+from harness.studies.bench import announced, bench
 from harness.studies.bench.cases import find_case
 from harness.studies.bench.measure import Effort
 
@@ -55,6 +55,22 @@ def test_a_case_without_operations_is_skipped_and_named(fake, opener, tmp_path):
     assert done.skipped == {"2D friction, rolling": "no rolling"}
     assert [c.case.name for c in done.cells] == ["2D friction"]
     assert done.exit_status == 0
+
+
+def test_when_time_is_up_the_other_cells_are_left_out_and_named(fake, opener, tmp_path):
+    """A clock that moves on by 10 s whenever it is looked at: at the start, and before every cell."""
+    kernel, ticks = fake("kernel"), iter(range(0, 1000, 10))
+    done = bench(quick=False, out=tmp_path, cases=[small("2D elastic"), small("2D dashpot")], timed=[kernel],
+                 kernel=kernel, opener=opener, effort=EFFORT, time_limit=25.0, clock=lambda: next(ticks))
+    assert [(c.case.name, c.count) for c in done.cells] == [("2D elastic", 12), ("2D elastic", 20)]
+    assert done.left_out == (("2D dashpot", 12), ("2D dashpot", 20))
+    assert all(c.seconds > 0.0 for c in done.cells)
+
+
+def test_what_there_is_to_do_is_announced():
+    cases = [small("2D elastic"), small("2D dashpot")]
+    said = announced(quick=False, time_limit=90.0, cases=cases)
+    assert said == "4 cells, up to 20 particles; none is begun later than after 1.5 minutes"
 
 
 def test_slow_codes_get_no_large_systems(run, fake, monkeypatch):

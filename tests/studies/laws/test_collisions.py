@@ -69,9 +69,9 @@ def test_exit_values_are_within_their_tolerance(trajectories):
 
 def test_whole_collisions_are_compared_in_places_velocities_and_spins(trajectories):
     laws, run = CASES["elastic+spring_damped"], trajectories["elastic+spring_damped"]
-    same = whole_checks(laws, "lammps", run, run, "again")
+    same = whole_checks(laws, "lammps", run, run, "again", right="kernel:lammps")
     assert [(c.verdict, c.deviation, c.tolerance) for c in same] == [("agrees", 0.0, TOLERANCE)] * 3
-    other = whole_checks(laws, "lammps", run, trajectories["hysteretic"], "again")
+    other = whole_checks(laws, "lammps", run, trajectories["hysteretic"], "again", right="kernel:lammps")
     assert [c.verdict for c in other] == ["differs"] * 3
 
 

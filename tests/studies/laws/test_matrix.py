@@ -2,8 +2,9 @@
 
 import pytest
 
-from harness.studies.laws.judge import CLOSED_FORM, PLAIN_FRAME
-from harness.studies.laws.matrix import Answered, make_cell
+from harness.studies.laws.direct import DirectCheck
+from harness.studies.laws.judge import CLOSED_FORM, PLAIN_FRAME, STEPPED
+from harness.studies.laws.matrix import Answered, direct_cell, make_cell
 from harness.studies.verdict import Check
 
 
@@ -53,3 +54,32 @@ def test_a_part_that_is_missing_gets_a_star():
     cell = make_cell("jkr", "lammps", runs, [check("kernel:lammps", 0.0)])
     assert cell.text == "0*"
     assert cell.missing == ("planes in 2D: walls",)
+
+
+def test_every_part_that_failed_is_named():
+    runs = [ran("crashed", "SIGSEGV"), ran(part="pairs in 3D"), ran("timed_out", "after 3 s", "planes in 2D")]
+    cell = make_cell("linear", "lammps", runs, [])
+    assert cell.note == "pairs in 2D: crashed: SIGSEGV; planes in 2D: timed out: after 3 s"
+
+
+def test_whole_collisions_count_before_exits():
+    checks = [check(STEPPED, 3e-14), check("restitution_jkr", 2e-3)]
+    cell = make_cell("jkr", "lammps", [ran()], checks)
+    assert (cell.text, cell.against) == ("3.0e-14", STEPPED)
+
+
+def directly(deviation, verdict="known_difference", what="shear"):
+    return DirectCheck(
+        level="L0", quantity=f"linear: {what}", left="lammps", right="liggghts", deviation=deviation, tolerance=0.1,
+        verdict=verdict, why="of the arms", laws="linear", what=what, reasons=("arms",), off=1e-15,
+    )
+
+
+def test_codes_against_each_other_have_a_cell_of_their_own():
+    pair = ("lammps", "liggghts")
+    cell = direct_cell("linear", pair, [directly(0.02), directly(0.1, what="roll"), check("kernel:lammps", 1.0)])
+    assert (cell.text, cell.engine, cell.note) == ("1.0e-01", "lammps - liggghts", "roll: of the arms")
+    assert direct_cell("linear", pair, [directly(0.1, "differs")]).text == "1.0e-01 differs"
+    assert direct_cell("hertz", pair, [directly(0.1)]).text == "-"
+    own = make_cell("linear", "lammps", [ran()], [directly(0.1, "differs"), check("kernel:lammps", 0.0)])
+    assert own.text == "0"

@@ -6,7 +6,8 @@ import pytest
 from harness.studies.laws.arrangement import arrangement
 from harness.studies.laws.closed_forms import contact_of
 from harness.studies.laws.frames import frames
-from harness.studies.laws.motions import DT, EQUAL_RADII, ROWS, SEQUENCES, UNEQUAL, motions
+from harness.studies.laws.motions import DT, EQUAL_RADII, ROWS, SEQUENCES, UNEQUAL, UNIT, motions
+from harness.studies.laws.rounding import distance, settled
 from reference.kernel.conventions import CONVENTIONS
 
 KINDS = [(partner, dimension) for partner in ("pair", "plane") for dimension in (2, 3)]
@@ -23,7 +24,9 @@ def overlaps(motion, grains) -> np.ndarray:
 @pytest.mark.parametrize(("partner", "dimension"), KINDS)
 def test_motions_start_and_end_apart_and_touch_twice(partner, dimension, grains):
     for motion in motions(partner, dimension, grains):
-        touching = overlaps(motion, grains) > 0.0
+        depth = overlaps(motion, grains)
+        touching = depth > 0.0
+        assert depth[touching].min() > (0.49 if motion.course else 1.0) * UNIT
         assert not touching[0]
         assert not touching[-1]
         assert (np.diff(touching.astype(int)) == 1).sum() == 2, motion.name
@@ -80,6 +83,39 @@ def test_frames_change_nothing_that_a_law_may_see(partner, dimension):
             assert np.einsum("kab,kpb->kpa", inverse, relative) == pytest.approx(plain_v, abs=1e-13)
             own = frame.handedness * np.einsum("kab,kpb->kpa", inverse, spin - frame.rotation)
             assert own == pytest.approx(motion.spin, abs=1e-9)
+
+
+@pytest.mark.parametrize(("partner", "dimension"), KINDS)
+def test_places_are_rounded_so_that_overlaps_are_not(partner, dimension):
+    """Of the coordinates that engines are given: off by 2e-19 m (rms), where plain rounding would make it 7e-19."""
+    made = arrangement(partner, dimension)
+    normals = {w.name: np.array([*w.normal, 0.0])[:3] for w in made.walls}
+    off = []
+    for track in made.tracks:  # in extended precision
+        x = np.zeros((ROWS + 1, len(track.bodies), 3), np.longdouble)
+        x[..., :dimension] = made.path.x[:, list(track.bodies)]
+        if partner == "pair":
+            off.append(distance(x[:, 0], x[:, 1]) - distance(track.motion.x[:, 0], track.motion.x[:, 1]))
+        else:
+            normal = normals["tilted" if track.frame.name == "tilted" else "level"]
+            off.append((x[:, 0] * normal).sum(axis=1) - track.motion.x[:, 0, 0])
+    rounded = np.square([d for d in off if d.any()])
+    assert np.sqrt(rounded.mean()) < (2e-19 if partner == "pair" else 8e-20)
+    assert rounded.mean(axis=1).max() < (4e-19) ** 2
+
+
+def test_a_place_moves_by_its_last_digits_only():
+    rng = np.random.default_rng(2)
+    x, normal = rng.uniform(-1e-2, 1e-2, (500, 3)), rng.normal(size=(500, 3))
+    normal /= np.linalg.norm(normal, axis=1, keepdims=True)
+    normal[:100, 2], x[:100, 2] = 0.0, 0.0
+    excess = rng.uniform(-1e-18, 1e-18, 500).astype(np.longdouble)
+    moved = settled(x, normal, excess)
+    assert (np.abs(moved - x) <= 2 * np.spacing(np.abs(x))).all()
+    assert not moved[:100, 2].any()
+    left = excess + ((moved.astype(np.longdouble) - x) * normal).sum(axis=1)
+    assert np.abs(left).mean() < 0.1 * np.abs(excess).mean()
+    assert np.array_equal(settled(x, normal, 0.0 * excess), x)
 
 
 def test_frames_map_forces_and_torques_back():

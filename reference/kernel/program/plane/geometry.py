@@ -32,9 +32,10 @@ def overlaps_and_normals(p: Program, model: Model, nodes: PlaneNodes, c: PlaneCo
         p(np.greater, c.overlap, 0.0, out=touches)
         p.copy(touches, c.touching)
         p(np.divide, c.touching, distance, out=c.inverse.real)
+        p(np.multiply, c.overlap, c.touching, out=c.overlap)
     else:
         p(np.reciprocal, distance, out=c.inverse.real)
-    p(np.maximum, c.overlap, 0.0, out=c.overlap)
+        p(np.maximum, c.overlap, 0.0, out=c.overlap)
     p(np.multiply, c.normal, c.inverse, out=c.normal)
 
 

@@ -34,9 +34,10 @@ def overlaps_and_normals(p: Program, model: Model, nodes: SpaceNodes, c: SpaceCo
         p(np.greater, c.overlap, 0.0, out=touches)
         p.copy(touches, c.touching)
         p(np.divide, c.touching, distance, out=inverse)
+        p(np.multiply, c.overlap, c.touching, out=c.overlap)
     else:
         p(np.reciprocal, distance, out=inverse)
-    p(np.maximum, c.overlap, 0.0, out=c.overlap)
+        p(np.maximum, c.overlap, 0.0, out=c.overlap)
     p(np.multiply, c.normal, inverse, out=c.normal)
 
 

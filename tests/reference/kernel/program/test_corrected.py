@@ -9,6 +9,7 @@ import pytest
 from reference.analytic.linear_collision import LinearCollision
 from reference.kernel.conventions import NAMED
 from reference.kernel.corrected import CorrectedSimulation, missed
+from reference.kernel.laws.registry import LAWS
 from reference.kernel.model import Constant, Cosine, Loaded
 from reference.kernel.output import contact_table
 from reference.kernel.program.compose import can_compose
@@ -183,9 +184,27 @@ def test_what_half_kicks_miss_of_a_power(power):
     assert np.all(np.abs(missed(power, theta) - exact) <= allowed)
 
 
-def test_laws_without_order_two_say_so():
-    from reference.kernel.laws.registry import LAWS
+FIRST_ORDER = [("normal", "hysteretic"), ("normal", "hysteretic_variable"), ("normal", "dmt"), ("rolling", "spring"),
+               ("rolling", "constant"), ("torsion", "spring")]
+"""Laws that have no operations in the scheme."""
 
+
+@pytest.mark.parametrize(("family", "word"), FIRST_ORDER)
+def test_laws_without_operations_fall_to_the_textbook_and_say_why(dem, family, word):
+    m = dem.cluster(3, 3, across=2, squeeze=0.93, convention=NAMED["corrected"], **dem.contact_with(family, word))
+    assert not can_compose(m)
+    asked, textbook = fastest(m), CorrectedSimulation(m)
+    assert type(asked) is CorrectedSimulation
+    asked.advance(15)
+    textbook.advance(15)
+    assert np.abs(textbook.state.force).max() > 0.0
+    assert dem.bytes(asked) == dem.bytes(textbook)
+    assert LAWS[family][word].first_order
+
+
+def test_laws_without_order_two_say_so():
     assert LAWS["normal"]["dmt"].onset is None
     assert LAWS["normal"]["linear"].onset == (1.0, 0.0)
     assert LAWS["normal"]["hertz"].onset == (1.5, 0.25)
+    everywhere = {(family, word) for family, laws in LAWS.items() for word, law in laws.items() if not law.first_order}
+    assert everywhere == {("normal", "linear"), ("normal", "hertz"), ("sliding", "viscous")}

@@ -1,0 +1,141 @@
+"""The accuracy report: a page, a picture, and the same numbers as CSV and JSON."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from harness.errors import InputError
+from harness.report.accuracy_figure import CAPTION, accuracy_figure
+from harness.report.accuracy_tables import tables
+from harness.report.accuracy_words import paragraph
+from harness.report.page import Figure, Section, render_page
+from harness.report.tables import Answer, csv_text
+
+if TYPE_CHECKING:
+    from harness.studies.accuracy.study import Accuracy
+
+TABLES = ("budget", "slopes", "front", "points", "costs", "oracles")
+PAGE, DATA, PICTURES = "accuracy.html", "accuracy.json", ("accuracy.png", "accuracy.svg")
+
+BUDGET_NOTE = (
+    "The largest step from which on an engine stays below the error on all rungs, and of these the cheapest; only runs "
+    "that passed their checks have a time. What it gives up: the other errors of that setting, and what comes with it."
+)
+SLOPE_NOTE = (
+    "p in error ~ dt^p by least squares over the rungs of at least 25 steps a contact whose error is above that of the "
+    "oracle, with one standard error: scatter about the line and phases drawn again."
+)
+COST_NOTE = (
+    "CPU time of a step: all steps of one rung in a timing session, without set-up and output, median of repeats in "
+    "which the engines take turns on one core. It is that of all copies of the scene together, which run side by side; "
+    "times of a rung are steps times it. The whole process also starts, reads and writes."
+)
+ORACLE_NOTE = (
+    "Every engine is held against the limit of its own laws as dt tends to 0, so that its error is that of the step "
+    "alone. The last column says how far that limit is from that of the talks' laws. Growth: change of the exit, over "
+    "the speed, by a displacement of the start, over the radius; chaos sets the limit where it is large."
+)
+FRONT_NOTE = "No other setting of any engine is both faster and better."
+POINT_NOTE = "Errors over the largest relative speed at the start; exit: velocity and spin times radius together."
+
+
+def accuracy_answer(accuracy: Accuracy) -> Answer:
+    """Return the main tables for people and everything for programs."""
+    found = tables(accuracy)
+    shown = {"Cheapest settings": found["budget"], "Orders": found["slopes"], "Times": found["costs"]}
+    return Answer(tables=shown, data=accuracy_data(accuracy))
+
+
+def accuracy_data(accuracy: Accuracy) -> dict:
+    """Return all tables with all digits, the errors of every phase, scene and machine."""
+    from msgspec import to_builtins
+
+    return {
+        "scene_file": accuracy.scene_file.name, "scene": to_builtins(accuracy.scene),
+        "knob": accuracy.asked.knob.name, "ladder": list(accuracy.asked.values), "quantity": accuracy.asked.quantity,
+        "phases": accuracy.phases, "contact_time": accuracy.contact_time, "exit_status": accuracy.exit_status,
+        "words": paragraph(accuracy), "host": to_builtins(accuracy.host), "wall_seconds": accuracy.wall_seconds,
+        "own_seconds": accuracy.own_seconds, "tables": tables(accuracy),
+        "errors": [
+            {"case": t.case, "engine": t.engine, "dt_fraction": p.value, **p.errors}
+            for t in accuracy.tracks for p in t.points if p.good
+        ],
+    }
+
+
+def write_accuracy(accuracy: Accuracy, out: Path) -> Path:
+    """Write accuracy.html, .json, .png, .svg and CSV tables into `out`, each whole or not at all; return the page."""
+    from harness.report.figures import png_bytes, png_uri
+    from harness.runs.atomic import write_bytes_atomic, write_json_atomic, write_text_atomic
+
+    out.mkdir(parents=True, exist_ok=True)
+    figure = accuracy_figure(accuracy)
+    for name, rows in tables(accuracy).items():
+        write_text_atomic(out / f"{name}.csv", csv_text(rows))
+    write_bytes_atomic(out / PICTURES[0], png_bytes(figure, dpi=110))
+    write_bytes_atomic(out / PICTURES[1], _svg(figure))
+    write_json_atomic(out / DATA, accuracy_data(accuracy))
+    page = render_page(
+        title=f"What accuracy costs: {accuracy.scene.title}", lead=f"{summary(accuracy)}.",
+        sections=_sections(accuracy, Figure(uri=png_uri(figure), caption=CAPTION)),
+    )
+    write_text_atomic(out / PAGE, page)
+    return out / PAGE
+
+
+def check_places(out: Path) -> None:
+    """Raise InputError when a folder stands where a file of the report goes: before anything is run."""
+    for place in (out / name for name in (PAGE, DATA, *PICTURES, *(f"{name}.csv" for name in TABLES))):
+        if place.is_dir():
+            raise InputError(
+                file=place, expected="a file or nothing, as the report goes there", got="a folder",
+                fix="move it away or name another --out",
+            )
+
+
+def summary(accuracy: Accuracy) -> str:
+    """Return one line: what was turned, how far, on whom."""
+    values, engines = accuracy.asked.values, list(dict.fromkeys(t.engine for t in accuracy.tracks))
+    return (
+        f"{accuracy.asked.knob.value} from {max(values):g} to {min(values):g} in {len(values)} rungs; "
+        f"{accuracy.phases} copies of {accuracy.bodies} bodies, whose contacts begin at as many phases of a step, side "
+        f"by side in one run; {', '.join(engines)}"
+    )
+
+
+def _sections(accuracy: Accuracy, figure: Figure) -> list[Section]:
+    found = tables(accuracy)
+    return [
+        Section(heading="In words", note=paragraph(accuracy)),
+        Section(heading="Error against time", figures=(figure,)),
+        Section(heading="Cheapest settings", note=BUDGET_NOTE, rows=found["budget"]),
+        Section(heading="Orders", note=SLOPE_NOTE, rows=found["slopes"]),
+        Section(heading="Front", note=FRONT_NOTE, rows=found["front"]),
+        Section(heading="Times", note=COST_NOTE, rows=found["costs"]),
+        Section(heading="Oracles", note=ORACLE_NOTE, rows=found["oracles"]),
+        Section(heading="All rungs", note=POINT_NOTE, rows=found["points"]),
+        Section(heading="Reproduce", text=_command(accuracy)),
+    ]
+
+
+def _command(accuracy: Accuracy) -> str:
+    import shlex
+
+    engines = ",".join(dict.fromkeys(t.engine for t in accuracy.tracks))
+    ladder = ",".join(f"{v:g}" for v in accuracy.asked.values)
+    return shlex.join([
+        "grainproof", "accuracy", str(accuracy.scene_file), "--knob", accuracy.asked.knob.name, "--ladder", ladder,
+        "--engines", engines, "--quantity", accuracy.asked.quantity, "--phases", str(accuracy.phases),
+    ])
+
+
+def _svg(figure) -> bytes:
+    import io
+
+    from matplotlib import rc_context
+
+    buffer = io.BytesIO()
+    with rc_context({"svg.hashsalt": "grainproof"}):
+        figure.savefig(buffer, format="svg", metadata={"Date": None})
+    return buffer.getvalue()

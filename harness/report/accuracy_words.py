@@ -1,0 +1,102 @@
+"""What a ladder says, in plain words made from its numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from harness.report.accuracy_tables import percent
+from harness.studies.accuracy.result import TARGETS, best
+
+if TYPE_CHECKING:
+    from harness.studies.accuracy.fit import Fit
+    from harness.studies.accuracy.result import Track
+    from harness.studies.accuracy.study import Accuracy
+
+FINEST = TARGETS[-1]
+
+
+def paragraph(accuracy: Accuracy) -> str:
+    """Return the findings, a sentence each, leaving out what was not found."""
+    sentences = [
+        *(_slopes(accuracy, case) for case in accuracy.cases), _scenes_own(accuracy), _steps_needed(accuracy),
+        *(_cheapest(accuracy, target) for target in TARGETS), _floor(accuracy), _failed(accuracy),
+    ]
+    return " ".join(s for s in sentences if s)
+
+
+def _slopes(accuracy: Accuracy, case: str) -> str:
+    quantity = accuracy.asked.quantity
+    fits = {t.engine: fit for t in accuracy.tracks if t.case == case and (fit := t.fits.get(quantity))}
+    if not fits:
+        return ""
+    told = ", ".join(f"{', '.join(engines)} {fit}" for fit, engines in _alike(fits).items())
+    where = "The scene as declared" if case == accuracy.cases[0] else f"The scene {case}"
+    return f"{where}: halving the step divides the error by 2^p, p = {told}."
+
+
+def _alike(fits: dict[str, Fit]) -> dict[str, list[str]]:
+    """Return engines by what their slopes look like."""
+    found: dict[str, list[str]] = {}
+    for engine, fit in fits.items():
+        found.setdefault(f"{fit.slope:.2f} ± {fit.error:.2f}", []).append(engine)
+    return found
+
+
+def _scenes_own(accuracy: Accuracy) -> str:
+    own, quantity = accuracy.scene.numerics.dt_fraction, accuracy.asked.quantity
+    found = {t.engine: p.size(quantity) for t in accuracy.declared for p in t.known(quantity)
+             if abs(p.value / own - 1.0) < 1e-9}
+    told = ", ".join(f"{engine} {percent(size)}" for engine, size in found.items())
+    return f"At the scene's own step, dt_fraction = {own:g}, errors are: {told}." if told else ""
+
+
+def _steps_needed(accuracy: Accuracy) -> str:
+    """Compare the engine that needs fewest steps for the finest target with the others."""
+    quantity = accuracy.asked.quantity
+    steps = {t: n for t in accuracy.declared if (n := t.steps_for(quantity, FINEST)) is not None}
+    if len(steps) < 2:
+        return ""
+    least = min(steps, key=steps.__getitem__)
+    others = ", ".join(f"{n / steps[least]:.3g} times as many by {t.engine} ({n:.3g})"
+                       for t, n in steps.items() if t is not least)
+    price = _price(steps, least)
+    return f"An error of {percent(FINEST)} takes {steps[least]:.3g} steps by {least.engine}, {others}{price}."
+
+
+def _price(steps: dict[Track, float], least: Track) -> str:
+    timed = {t: 1e3 * t.cost.step * n for t, n in steps.items() if t.cost.step is not None}
+    if least not in timed or len(timed) < 2:
+        return ""
+    return f"; in CPU time that is {', '.join(f'{ms:.2g} ms by {t.engine}' for t, ms in timed.items())}"
+
+
+def _cheapest(accuracy: Accuracy, target: float) -> str:
+    choice = best(accuracy.declared, accuracy.asked.quantity, target)
+    if choice.point is None:
+        return f"No timed setting of this ladder stays below {percent(target)}."
+    return (
+        f"Cheapest below {percent(target)}: {choice.track.engine} at dt_fraction = {choice.point.value:g}, "
+        f"{1e3 * choice.point.seconds:.2g} ms."
+    )
+
+
+def _floor(accuracy: Accuracy) -> str:
+    parted = max((t.parted.get(accuracy.asked.quantity, 0.0) for t in accuracy.declared), default=0.0)
+    if parted == 0.0:
+        return ""
+    return (
+        f"Even without any error of the step the codes' laws give answers up to {percent(parted)} apart: below that a "
+        "smaller step brings no two codes nearer to each other."
+    )
+
+
+def _failed(accuracy: Accuracy) -> str:
+    quantity = accuracy.asked.quantity
+    told = [f"{t.engine} at {_values(p.value for p in t.points if not p.good)}"
+            for t in accuracy.declared if t.known(quantity) and not all(p.good for p in t.points)]
+    return f"No answer: {'; '.join(told)} (dt_fraction)." if told else ""
+
+
+def _values(values: Iterable[float]) -> str:
+    return ", ".join(f"{v:g}" for v in values)

@@ -1,0 +1,92 @@
+"""What a biaxial box shows quantity by quantity: wall curves over all packings, averages of the frames."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from harness.report import figures
+from harness.report.bands import Band, band_over
+from harness.report.page import Figure
+from harness.report.panels import counted, draw_bands, panel
+from harness.studies.compare.curves import BiaxialCurves, biaxial_curves
+
+if TYPE_CHECKING:
+    from harness.studies.compare.study import Comparison
+
+STRAIN = "axial strain (%)"
+
+WALLS = {
+    "stress_zz": ("σ_zz (N/m)", 1.0, "Axial stress on the top wall."),
+    "stress_xx": ("σ_xx (N/m)", 1.0, "Side stress, as measured."),
+    "friction_angle": ("secant friction angle (°)", 1.0, "Mobilised friction angle, from both stresses."),
+    "volume_strain": ("ε_V (compression > 0)", 1.0, "Volume strain."),
+}
+"""Attribute of the curves: label, scale, caption."""
+
+CONTROL = {"control_error": ("(F_x - p_x z)/(p_x z) (%)", 100.0, "How far the side wall is from what it should carry.")}
+
+AVERAGES = (
+    "volume fraction, inner", "coordination number, inner", "coordination number without rattlers, inner",
+    "fabric deviator, inner", "friction angle, inner", "sigma_zz from contacts",
+)
+UNREST = ("kinetic over elastic energy", "largest residual force")
+
+
+def wall_panels(comparison: Comparison) -> tuple[Figure, ...]:
+    """What is measured at the walls, with bands over packings."""
+    return _wall_panels(comparison, WALLS)
+
+
+def calm_panels(comparison: Comparison) -> tuple[Figure, ...]:
+    """How calm the sample was: the side wall's error and, with recorded contacts, energies and residual forces."""
+    return (*_wall_panels(comparison, CONTROL), *_state_panels(comparison, UNREST, log=True))
+
+
+def average_panels(comparison: Comparison) -> tuple[Figure, ...]:
+    """Averages of the independent post-processor that the frames can give; none without contacts."""
+    return _state_panels(comparison, AVERAGES)
+
+
+def _wall_panels(comparison: Comparison, wanted) -> tuple[Figure, ...]:
+    curves = _all_curves(comparison)
+    return tuple(_wall_panel(curves, quantity, *wanted[quantity]) for quantity in wanted)
+
+
+def _wall_panel(
+    curves: dict[str, list[BiaxialCurves]], quantity: str, label: str, scale: float, caption: str
+) -> Figure:
+    bands = {e: _band(of, quantity) for e, of in curves.items()}
+    return panel(
+        lambda axes: draw_bands(axes, bands, x=STRAIN, y=label, scale=(100.0, scale)), f"{caption} {counted(bands)}"
+    )
+
+
+def _band(curves: Sequence[BiaxialCurves], quantity: str) -> Band:
+    return band_over([c.strain for c in curves], [getattr(c, quantity) for c in curves])
+
+
+def _all_curves(comparison: Comparison) -> dict[str, list[BiaxialCurves]]:
+    """Return the curves of all completed runs by engine; engines in the order of the first packing's curves."""
+    found: dict[str, list[BiaxialCurves]] = {e: [] for e in comparison.result.curves}
+    for r in comparison.completed:
+        curves = biaxial_curves(r.trajectory, comparison.starts[r.packing].system)
+        found.setdefault(r.engine, []).append(curves)
+    return found
+
+
+def _state_panels(comparison: Comparison, wanted: Sequence[str], *, log: bool = False) -> tuple[Figure, ...]:
+    """Averages of the frames of the first packing, of those quantities that every engine's frames can give."""
+    states = comparison.result.states
+    shown = [q for q in wanted if states and all(q in s.values for s in states.values())]
+    return tuple(_state_panel(states, q, log=log, of_several=len(comparison.starts) > 1) for q in shown)
+
+
+def _state_panel(states, quantity: str, *, log: bool, of_several: bool) -> Figure:
+    def draw(axes) -> None:
+        figures.draw_states(axes, states, quantity)
+        if log and any((s.values[quantity] > 0).any() for s in states.values()):
+            axes.set_yscale("log", nonpositive="mask")
+
+    caption = f"{quantity[0].upper()}{quantity[1:]}."
+    return panel(draw, f"{caption} First packing." if of_several else caption)

@@ -1,0 +1,66 @@
+"""The Couette ring: torque history, profiles and balances of every run, and what they allow to say."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from harness.scene.laws import turning
+from harness.scene.model import Couette
+from harness.studies.compare.band import Band, band_checks, band_of
+from harness.studies.compare.chaos import growth_checks, kicked_run
+from harness.studies.compare.growth import Growth, difference_growth
+from harness.studies.compare.pairs import Pair, pairs_of
+from harness.studies.compare.pointwise import parting_checks, window_checks
+from harness.studies.compare.profile_checks import profile_checks
+from harness.studies.compare.profiles import RingProfiles, ring_profiles, steady_frames, subject_of
+from harness.studies.compare.ring_balances import RingBalances, ring_balances
+from harness.studies.compare.ring_checks import ring_checks
+from harness.studies.compare.ring_curves import RingCurves, ring_curves
+from harness.studies.verdict import Check, Rerun
+
+
+@dataclass(frozen=True, kw_only=True)
+class CouetteResult:
+    """What the report draws: curves and growth of the first packing, all else by engine and packing."""
+
+    pairs: tuple[Pair, ...]
+    curves: Mapping[str, RingCurves]
+    growth: Mapping[str, Growth]
+    profiles: Mapping[str, Mapping[int, RingProfiles]]
+    balances: Mapping[str, Mapping[int, RingBalances]]
+    bands: Mapping[str, Mapping[int, Band]]
+
+
+def judge_couette(
+    scene: Couette, starts, runs, engines: list[str], rerun: Rerun, *, response=None
+) -> tuple[list[Check], CouetteResult]:
+    """Return all checks of a ring comparison and what the report needs.
+
+    response: the run of a kicked first packing, None if there is none.
+    """
+    finished = [r for r in runs if r.trajectory is not None]
+    pairs = pairs_of(engines, friction=bool(turning(scene.contact)))
+    curves, profiles, balances, bands = (defaultdict(dict) for _ in range(4))
+    for r in finished:
+        system = starts[r.packing].system
+        subjects = [subject_of(f, scene, system) for f in steady_frames(r.trajectory, scene)]
+        curves[r.engine][r.packing] = ring_curves(r.trajectory)
+        profiles[r.engine][r.packing] = ring_profiles(subjects, system)
+        balances[r.engine][r.packing] = ring_balances(curves[r.engine][r.packing], subjects, system)
+        bands[r.engine][r.packing] = band_of(profiles[r.engine][r.packing], scene, system)
+    first_curves = {e: of[0] for e, of in curves.items() if 0 in of}
+    checks = [
+        *window_checks(pairs, scene.compare.windows, curves, rerun),
+        *growth_checks(pairs, first_curves, kicked_run(response, ring_curves), rerun),
+        *parting_checks(pairs, curves, rerun),
+        *profile_checks(pairs, profiles, rerun),
+        *band_checks(engines, bands, rerun),
+        *ring_checks(balances, rerun),
+    ]
+    first = {r.engine: r.trajectory for r in finished if r.packing == 0}
+    return checks, CouetteResult(
+        pairs=tuple(pairs), curves={e: curves[e][0] for e in first}, profiles=profiles, balances=balances, bands=bands,
+        growth={p.name: difference_growth(first[p.left], first[p.right]) for p in pairs if not p.missing(first)},
+    )
