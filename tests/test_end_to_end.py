@@ -21,6 +21,7 @@ needs_all = pytest.mark.skipif(not {"lammps", "liggghts"} <= HERE, reason="needs
 SHORTER = {
     r"count = \d+": "count = 40", r"final_strain = [\d.]+": "final_strain = 0.004",
     r"duration = [\d.]+": "duration = 0.005", r"samples = \d+": "samples = 40", r"frames = \d+": "frames = 4",
+    r"strains = \[.*": "strains = [0.002]", r"plateau = \[.*": "",
 }
 """What makes the quick box shorter; the strain rate and with it the inertial number get smaller."""
 
@@ -110,7 +111,8 @@ def test_head_on_impact_is_one_law_in_all_codes(head_on):
 def test_short_box_on_all_engines(short):
     """LAMMPS and LIGGGHTS against the kernel in their conventions: 1e-6 asked for, 1e-11 measured."""
     runs = short.data["runs"]
-    assert [r["engine"] for r in runs] == ["lammps", "liggghts", "kernel:lammps", "kernel:liggghts"]
+    response = "kernel:lammps"  # once more, kicked
+    assert [r["engine"] for r in runs] == ["lammps", "liggghts", "kernel:lammps", "kernel:liggghts", response]
     assert {r["status"] for r in runs} == {"completed"}
     checks = short.data["checks"]
     same = [c for c in checks if c["right"].startswith("kernel:") and "up to 0.2" in c["quantity"]]

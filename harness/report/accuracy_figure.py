@@ -14,9 +14,7 @@ if TYPE_CHECKING:
     from harness.studies.accuracy.study import Accuracy
 
 COLOURS = ("#1b6ca8", "#c8553d", "#3fa34d", "#8e5ea2", "#b8860b", "#2f4f4f")
-WORDS = {
-    "exit": "error of exit velocity and spin", "velocity": "error of the exit velocity", "spin": "error of the exit spin",
-}
+WORDS = {"exit": "error of velocity and spin", "velocity": "error of the velocity", "spin": "error of the spin"}
 MARKERS = ("o", "s", "^", "D", "v", "P")
 
 CAPTION = (

@@ -30,7 +30,7 @@ def _slopes(accuracy: Accuracy, case: str) -> str:
     fits = {t.engine: fit for t in accuracy.tracks if t.case == case and (fit := t.fits.get(quantity))}
     if not fits:
         return ""
-    told = ", ".join(f"{', '.join(engines)} {fit}" for fit, engines in _alike(fits).items())
+    told = ", ".join(f"{fit} ({', '.join(engines)})" for fit, engines in _alike(fits).items())
     where = "The scene as declared" if case == accuracy.cases[0] else f"The scene {case}"
     return f"{where}: halving the step divides the error by 2^p, p = {told}."
 

@@ -27,6 +27,14 @@ BOX_REFUSALS = [
         "compare.plateau: expected two rising numbers from 0 to top.final_strain = 0.1, got [0.05, 0.05]",
     ),
     (
+        {"compare.strains": [0.05, 0.2]},
+        "compare.strains: expected rising numbers up to top.final_strain = 0.1, got [0.05, 0.2]",
+    ),
+    (
+        {"compare.strains": [0.05, 0.01]},
+        "compare.strains: expected rising numbers up to top.final_strain = 0.1, got [0.05, 0.01]",
+    ),
+    (
         {"compare.published": ["talk_frictionless_100"]},
         "compare.plateau: expected a strain range for plateau sigma_zz, got nothing; "
         "add plateau, or remove talk_frictionless_100 from compare.published",

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from harness.scene.laws import turning
 from harness.scene.model import Biaxial
 from harness.studies.compare.biaxial_quantities import OneRun, biaxial_quantities
-from harness.studies.compare.chaos import growth_checks, kicked_run
+from harness.studies.compare.chaos import growth_checks, kicked_run, open_questions
 from harness.studies.compare.curves import BiaxialCurves, biaxial_curves
 from harness.studies.compare.growth import Growth, difference_growth
 from harness.studies.compare.macro import macro_values
@@ -55,12 +54,13 @@ def judge_biaxial(
     judged = judge_family(_quantities(scene, starts, finished, curves), pairs, _terms(scene, starts))
     result = _result(scene, starts, finished, pairs, curves, tuple(judged), response)
     kicked = kicked_run(response, lambda t: biaxial_curves(t, starts[0].system))
+    replicated = family_checks(judged, rerun)
     with_systems = _with_systems(finished, starts)
     checks = [
         *window_checks(pairs, scene.compare.windows, curves, rerun),
         *growth_checks(pairs, result.curves, kicked, rerun),
-        *open_questions([*parting_checks(pairs, curves, rerun), *peak_checks(pairs, curves, rerun)], judged),
-        *family_checks(judged, rerun),
+        *open_questions([*parting_checks(pairs, curves, rerun), *peak_checks(pairs, curves, rerun)], replicated),
+        *replicated,
         *published_checks(scene, engines, result.macro, rerun),
         *control_checks(curves, rerun),
         *place_checks(with_systems, rerun),
@@ -68,12 +68,6 @@ def judge_biaxial(
         *drive_checks(with_systems, result.states, rerun),
     ]
     return checks, result
-
-
-def open_questions(checks: Sequence[Check], judged: Sequence[Judged]) -> list[Check]:
-    """Leave out what chaos made inconclusive where replicates answer it: there statistics have taken over."""
-    answered = {(j.tested.pair.left, j.tested.pair.right) for j in judged}
-    return [c for c in checks if c.verdict != "inconclusive" or (c.left, c.right) not in answered]
 
 
 def _terms(scene: Biaxial, starts) -> Terms:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from harness.scene.laws import turning
 from harness.scene.model import Couette
 from harness.studies.compare.band import Band, band_checks, band_of
-from harness.studies.compare.chaos import growth_checks, kicked_run
+from harness.studies.compare.chaos import growth_checks, kicked_run, open_questions
 from harness.studies.compare.growth import Growth, difference_growth
 from harness.studies.compare.pairs import Pair, pairs_of
 from harness.studies.compare.pointwise import parting_checks, window_checks
@@ -18,6 +18,7 @@ from harness.studies.compare.profiles import RingProfiles, ring_profiles, steady
 from harness.studies.compare.ring_balances import RingBalances, ring_balances
 from harness.studies.compare.ring_checks import ring_checks
 from harness.studies.compare.ring_curves import RingCurves, ring_curves
+from harness.studies.statistics.difference import FEWEST
 from harness.studies.verdict import Check, Rerun
 
 
@@ -50,12 +51,13 @@ def judge_couette(
         profiles[r.engine][r.packing] = ring_profiles(subjects, system)
         balances[r.engine][r.packing] = ring_balances(curves[r.engine][r.packing], subjects, system)
         bands[r.engine][r.packing] = band_of(profiles[r.engine][r.packing], scene, system)
+    averages = profile_checks(pairs, profiles, rerun)
     first_curves = {e: of[0] for e, of in curves.items() if 0 in of}
     checks = [
         *window_checks(pairs, scene.compare.windows, curves, rerun),
         *growth_checks(pairs, first_curves, kicked_run(response, ring_curves), rerun),
-        *parting_checks(pairs, curves, rerun),
-        *profile_checks(pairs, profiles, rerun),
+        *open_questions(parting_checks(pairs, curves, rerun), averages if len(starts) >= FEWEST else []),
+        *averages,
         *band_checks(engines, bands, rerun),
         *ring_checks(balances, rerun),
     ]

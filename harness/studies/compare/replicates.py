@@ -15,7 +15,7 @@ apart (`harness.studies.compare.chaos`). Like every run it is kept in a folder n
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -93,14 +93,35 @@ def _named(name: str, engines: Sequence[Engine]) -> Engine:
     return next(e for e in engines if e.name == name)
 
 
-def response_name(engine: Engine) -> str:
-    """Return what tables call the response of an engine."""
-    return f"{engine.name} kicked"
+@dataclass(frozen=True, kw_only=True)
+class Planned:
+    """A run to be made: what tables call the engine, and progress the run. of: see `harness.studies.compare.study`."""
+
+    name: str
+    number: int
+    label: str
+    engine: Engine
+    system: System
+    of: str = ""
 
 
-def response_system(start: Prepared, engine: Engine) -> System:
-    """Return the first packing with the kick of the response."""
-    return kicked(start.system, engine.name, "response")
+def planned_runs(
+    scene: Scene, starts: Sequence[Prepared], engines: Sequence[Engine], *, replicated: bool
+) -> list[Planned]:
+    """Return every engine on every start, and last the response, the first start with a kick of its own."""
+    many = len(starts) > 1
+    plan = [
+        Planned(
+            name=e.name, number=s.number, label=f"{e.name} #{s.number + 1}" if many else e.name, engine=e,
+            system=start_system(s, e, replicated=replicated),
+        )
+        for s in starts for e in engines
+    ]
+    kicks = responder(scene, engines)
+    if kicks is not None:
+        name, system = f"{kicks.name} kicked", kicked(starts[0].system, kicks.name, "response")
+        plan.append(Planned(name=name, number=0, label=name, engine=kicks, system=system, of=kicks.name))
+    return plan
 
 
 def _kind(scene: Scene) -> str:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,14 +20,7 @@ from harness.scene.model import Biaxial, Couette, Free, Scene
 from harness.studies.compare.biaxial import BiaxialResult, judge_biaxial
 from harness.studies.compare.couette import CouetteResult, judge_couette
 from harness.studies.compare.free import FreeResult, judge_free
-from harness.studies.compare.replicates import (
-    make_starts,
-    replicate_count,
-    responder,
-    response_name,
-    response_system,
-    start_system,
-)
+from harness.studies.compare.replicates import Planned, make_starts, planned_runs, replicate_count
 from harness.studies.compare.versions import explained, known_changes
 from harness.studies.prepare import Prepared
 from harness.studies.verdict import Check, Rerun, failed
@@ -48,7 +41,7 @@ TIME_LIMIT = 3600.0
 class Run:
     """One engine on one packing: its outcome, its folder, and its trajectory if it completed.
 
-    of: the engine as such; `engine` names the response of an engine to a kick apart from its other runs.
+    of: "", or of the response to a kick the engine as such, as `engine` names it apart from the engine's other runs.
     """
 
     engine: str
@@ -118,20 +111,13 @@ def compare(
         scene, scene_file, packings=packings, replicates=replicates, cache=out / "packings", progress=progress
     )
     engines = distinct_engines(engines, scene)
-    plan = [(s.number, e) for s in starts for e in engines]
-    jobs = [
-        (_label(e.name, k, len(starts)), e, start_system(starts[k], e, replicated=replicates is not None))
-        for k, e in plan
-    ]
-    kicked = responder(scene, engines)
-    if kicked is not None:
-        jobs.append((response_name(kicked), kicked, response_system(starts[0], kicked)))
+    plan = planned_runs(scene, starts, engines, replicated=replicates is not None)
     done = run_many(
-        jobs, runs_root(out), time_limit=time_limit, workers=workers, progress=progress and progress(), native=native,
-        executor=executor,
+        [(p.label, p.engine, p.system) for p in plan], runs_root(out), time_limit=time_limit, workers=workers,
+        progress=progress and progress(), native=native, executor=executor,
     )
-    runs = tuple(_run(number, e.name, d) for (number, e), d in zip(plan, done, strict=False))
-    response = kicked and replace(_run(0, response_name(kicked), done[-1]), of=kicked.name)
+    made = [_run(p, d) for p, d in zip(plan, done, strict=True)]
+    runs, response = tuple(r for r in made if not r.of), next((r for r in made if r.of), None)
     words = {e.name: word_of(e) for e in engines}
     rerun = Rerun(scene_file=scene_file, out=out, packings=packings, words=words, replicates=replicates)
     more = {"response": response} if response else {}
@@ -154,13 +140,12 @@ def distinct_engines(engines: tuple[Engine, ...], scene: Scene) -> tuple[Engine,
     return tuple(dict.fromkeys(single))
 
 
-def _label(engine: str, number: int, count: int) -> str:
-    return engine if count == 1 else f"{engine} #{number + 1}"
-
-
-def _run(number: int, engine: str, done) -> Run:
+def _run(planned: Planned, done) -> Run:
     from postproc.trajectory import read_trajectory
 
     completed = done.outcome.status == "completed"
     trajectory = read_trajectory(done.folder / "trajectory.h5") if completed else None
-    return Run(engine=engine, packing=number, outcome=done.outcome, folder=done.folder, trajectory=trajectory)
+    return Run(
+        engine=planned.name, packing=planned.number, outcome=done.outcome, folder=done.folder, trajectory=trajectory,
+        of=planned.of,
+    )

@@ -31,6 +31,12 @@ def bodies(degrees=45.0, speed=0.3, spin=(0.0, 0.0), inertia=0.5) -> Bodies:
                   inertia=inertia * mass * radius**2)
 
 
+def normal_at_touch(b, parted):
+    """From the second body to the first, when they meet."""
+    x = b.x[0] - b.x[1] + parted.begin * (b.v[0] - b.v[1])
+    return x / np.linalg.norm(x)
+
+
 def reduced_mass(b):
     return float(b.mass.prod() / b.mass.sum())
 
@@ -48,19 +54,14 @@ def test_restitution_and_duration_are_the_closed_forms(attraction):
 
 @pytest.mark.parametrize("degrees", [30.0, 60.0])
 @pytest.mark.parametrize("name", ARMS)
-def test_momentum_and_angular_momentum_are_kept(name, degrees):
+def test_momentum_is_kept_and_one_force_turns_both(name, degrees):
+    """The arms are R - delta/2 of both bodies, so that the impulses of the torques over R agree up to delta/R."""
     b = bodies(degrees, spin=(100.0, -50.0))
     parted = collide(b, replace(CLIPPED, **ARMS[name]))
     assert b.mass @ parted.v == pytest.approx(b.mass @ b.v, abs=1e-17)
-    places = b.x + parted.begin * b.v  # of touching; the relative angular momentum changes along the way as spins do
-    change = b.inertia @ (parted.spin - b.spin)
-    relative, moved = b.v[0] - b.v[1], parted.v[0] - parted.v[1]
-    before = places[0] - places[1]
-    assert abs(change) > 1e-13
-    orbital = reduced_mass(b) * (before[0] * relative[1] - before[1] * relative[0])
-    after = orbital - change
-    arm = abs(after) / (reduced_mass(b) * np.linalg.norm(moved))
-    assert arm < b.radius.sum()  # the impact parameter after: inside of the sum of radii
+    impulses = b.inertia * (parted.spin - b.spin) / b.radius
+    assert impulses[0] == pytest.approx(impulses[1], rel=2e-3)
+    assert abs(impulses[0]) > 1e-8
 
 
 def test_gross_sliding_tends_to_the_rigid_impact():
@@ -71,25 +72,26 @@ def test_gross_sliding_tends_to_the_rigid_impact():
         b = bodies(60.0, speed)
         laws = replace(CLIPPED, normal_damping=0.0, shear_damping=0.0, shear_friction=0.1, shear_stiffness=1e5)
         parted = collide(b, laws)
-        angle = math.radians(60.0)
-        kick = closed.kick(normal=speed * math.cos(angle), slip=speed * math.sin(angle))
-        turned = -kick * reduced_mass(b) / (b.mass[0] * 0.5 * b.radius[0])
-        off.append(abs(abs(parted.spin[0]) / abs(turned) - 1.0))
-    assert off[0] < 2e-2
-    assert off[1] < off[0] / 3
+        assert parted.phases == ("slide -",)
+        n = normal_at_touch(b, parted)
+        kick = closed.kick(normal=abs(speed * n[0]), slip=abs(speed * n[1]))
+        turned = kick * reduced_mass(b) / (b.mass * 0.5 * b.radius)
+        off.append(np.abs(np.abs(parted.spin / turned) - 1.0).max())
+    assert off[0] < 1e-2
+    assert off[1] < off[0] / 5
 
 
-def test_sticking_without_limit_tends_to_the_closed_form():
+def test_sticking_almost_without_limit_tends_to_the_closed_form():
+    """Measured: 6e-5 off, of the last thousandth of the contact, which slides, and of d/R."""
     b = bodies(45.0, 0.003)
-    laws = replace(CLIPPED, normal_damping=0.0, shear_damping=0.0, shear_friction=1e9)
+    laws = replace(CLIPPED, normal_damping=0.0, shear_damping=0.0, shear_friction=1e3)
     parted = collide(b, laws)
-    assert parted.phases == ("stick",)
-    n = (b.x[1] - b.x[0]) / np.linalg.norm(b.x[1] - b.x[0])
+    n = normal_at_touch(b, parted)
     t = np.array([-n[1], n[0]])
-    slip = (parted.v[0] - parted.v[1]) @ t + b.radius @ parted.spin
+    slip = (parted.v[0] - parted.v[1]) @ t - b.radius @ parted.spin
     before = b.v[0] @ t
     expected = sticking_of_springs(shear_to_normal_stiffness=0.2, inertia_factor=0.5)
-    assert -slip / before == pytest.approx(expected, abs=2e-3)
+    assert -slip / before == pytest.approx(expected, abs=3e-4)
 
 
 def kernel_exit(b, laws, convention, steps):
@@ -129,8 +131,8 @@ def test_the_answer_does_not_hang_on_the_tolerance(monkeypatch, name, attraction
     monkeypatch.setattr(pair_by_events, "STEPS_A_CONTACT", 300.0)
     coarse = collide(b, laws)
     assert coarse.phases == exact.phases
-    assert np.abs(coarse.v - exact.v).max() < 1e-10 * 0.3
-    assert 1e-3 * np.abs(coarse.spin - exact.spin).max() < 1e-10 * 0.3
+    assert np.abs(coarse.v - exact.v).max() < 1e-9 * 0.3
+    assert 1e-3 * np.abs(coarse.spin - exact.spin).max() < 1e-9 * 0.3
 
 
 def test_bodies_that_do_not_meet_are_refused():

@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.studies.compare.chaos import ALIKE, WORTH, Kicked, growth_checks, kicked_run, parting
+from harness.studies.compare.chaos import ALIKE, WORTH, Kicked, growth_checks, kicked_run, open_questions, parting
 from harness.studies.compare.pairs import Pair
 from harness.studies.compare.signal import Signal
 from harness.studies.statistics.kick import KICK
-from harness.studies.verdict import Rerun
+from harness.studies.verdict import Check, Rerun
 
 SAME = Pair(left="lammps", right="kernel:lammps", kind="same_conventions")
 CODES = Pair(left="lammps", right="liggghts", kind="codes")
@@ -130,3 +130,15 @@ def test_what_became_of_the_response(finished):
     assert kicked_run(lost, Run) == Kicked(engine="kernel:lammps", curves=None, why="kernel:lammps kicked: crashed")
     done = SimpleNamespace(trajectory=TIME, of="kernel:lammps", engine="kernel:lammps kicked", outcome=outcome)
     assert kicked_run(done, Run).curves.difference is TIME
+
+
+def test_statistics_take_over_what_chaos_left_open():
+    def made(left, verdict, level="L2"):
+        return Check(
+            level=level, quantity="q", left=left, right="b", deviation=None, tolerance=None, verdict=verdict, why=""
+        )
+
+    left_open, decided = made("a", "inconclusive"), made("a", "agrees")
+    assert open_questions([left_open, decided], [made("a", "inconclusive", "L3")]) == [decided]
+    assert open_questions([left_open, decided], [made("c", "agrees", "L3")]) == [left_open, decided]
+    assert open_questions([left_open], [made("a", "not_checked", "L3")]) == [left_open]

@@ -10,8 +10,8 @@ from harness.studies.compare.replicates import (
     AS_DECLARED,
     make_starts,
     replicate_count,
+    planned_runs,
     responder,
-    response_system,
     start_system,
 )
 from harness.studies.prepare import Prepared
@@ -35,10 +35,17 @@ def test_later_ones_are_kicked_each_engine_on_its_own(box):
     assert digests(starts[0], (LAMMPS, KERNEL), replicated=False) == 2 * [box.system.particles_digest()]
 
 
-def test_the_response_is_a_kick_of_its_own(box):
-    first = Prepared(number=0, system=box.system, packing=None)
-    moved = response_system(first, KERNEL).particles.x - box.system.particles.x
+def test_every_engine_runs_every_start_and_the_response_comes_last(box):
+    starts = [Prepared(number=k, system=box.system, packing=None) for k in range(2)]
+    plan = planned_runs(box.scene, starts, (LAMMPS, KERNEL), replicated=True)
+    assert [p.label for p in plan] == [
+        "lammps #1", "kernel:lammps #1", "lammps #2", "kernel:lammps #2", "kernel:lammps kicked"
+    ]
+    assert [p.of for p in plan] == 4 * [""] + ["kernel:lammps"]
+    moved = plan[-1].system.particles.x - box.system.particles.x
     assert np.count_nonzero(moved.any(axis=1)) == 1
+    assert len({p.system.particles_digest() for p in plan}) == 4
+    assert [p.label for p in planned_runs(box.scene, starts[:1], (LAMMPS,), replicated=False)] == ["lammps"]
 
 
 def test_a_kernel_responds_and_else_the_code_that_is_compared_with_itself(box):

@@ -178,6 +178,15 @@ def test_names_come_one_by_one_or_with_commas(option, engine, tmp_path, capsys, 
     assert [e.name for e in engines] == ["kernel:talk", "kernel:lammps"]
 
 
+def test_engines_are_named_alike_in_every_verb():
+    from harness.cli import parser
+
+    for words in (["--engines", "a,b"], ["--engine", "a", "--engine", "b"], ["--engines", "a", "--engine", "b"]):
+        for verb in (["compare", "f.toml"], ["laws"]):
+            assert parser().parse_args([*verb, *words]).engines == ["a", "b"]
+    assert parser().parse_args(["run", "f.toml", "--engines", "a"]).engine == "a"
+
+
 WRONG = [["--law", "nix"], ["--engine", "nix"], ["--engines", ","], ["--time-limit", "0"], ["--workers", "0"]]
 
 
