@@ -522,7 +522,7 @@ class RingOfChains:
         )
 
     def _contacts(self, e_r, e_phi, through) -> Columns:
-        """Layer k pushes its outer neighbour with (push, T_k/(chains rho_k)); force on i, the outer one, or the disc."""
+        """Layer k pushes its outer neighbour with (push, T_k/(chains rho_k)): the force on i, the outer one."""
         rho, n, rows = self.radii[1], self.chains, []
         ids = np.arange(1, n + 1)
         for k in range(9):
@@ -531,7 +531,8 @@ class RingOfChains:
             if k == 8:
                 i, j, sign = ids + n * 7, -2 * np.ones(n), -1.0
             rows.append(np.column_stack([i, j, rho[k] * e_r, sign * force, np.full(n, self.push / 300.0)]))
-        return Columns(dict(zip(("i", "j", "px", "py", "fx", "fy", "overlap"), np.vstack(rows).T, strict=True)), "contacts")
+        names = ("i", "j", "px", "py", "fx", "fy", "overlap")
+        return Columns(dict(zip(names, np.vstack(rows).T, strict=True)), "contacts")
 
 
 @pytest.fixture

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import base64
+import io
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -66,19 +69,20 @@ def accuracy_data(accuracy: Accuracy) -> dict:
 
 def write_accuracy(accuracy: Accuracy, out: Path) -> Path:
     """Write accuracy.html, .json, .png, .svg and CSV tables into `out`, each whole or not at all; return the page."""
-    from harness.report.figures import png_bytes, png_uri
+    from harness.report.figures import png_bytes
     from harness.runs.atomic import write_bytes_atomic, write_json_atomic, write_text_atomic
 
     out.mkdir(parents=True, exist_ok=True)
     figure = accuracy_figure(accuracy)
+    picture = png_bytes(figure, dpi=110)
     for name, rows in tables(accuracy).items():
         write_text_atomic(out / f"{name}.csv", csv_text(rows))
-    write_bytes_atomic(out / PICTURES[0], png_bytes(figure, dpi=110))
+    write_bytes_atomic(out / PICTURES[0], picture)
     write_bytes_atomic(out / PICTURES[1], _svg(figure))
     write_json_atomic(out / DATA, accuracy_data(accuracy))
     page = render_page(
         title=f"What accuracy costs: {accuracy.scene.title}", lead=f"{summary(accuracy)}.",
-        sections=_sections(accuracy, Figure(uri=png_uri(figure), caption=CAPTION)),
+        sections=_sections(accuracy, Figure(uri=_uri(picture), caption=CAPTION)),
     )
     write_text_atomic(out / PAGE, page)
     return out / PAGE
@@ -120,8 +124,6 @@ def _sections(accuracy: Accuracy, figure: Figure) -> list[Section]:
 
 
 def _command(accuracy: Accuracy) -> str:
-    import shlex
-
     engines = ",".join(dict.fromkeys(t.engine for t in accuracy.tracks))
     ladder = ",".join(f"{v:g}" for v in accuracy.asked.values)
     return shlex.join([
@@ -130,9 +132,11 @@ def _command(accuracy: Accuracy) -> str:
     ])
 
 
-def _svg(figure) -> bytes:
-    import io
+def _uri(png: bytes) -> str:
+    return f"data:image/png;base64,{base64.b64encode(png).decode()}"
 
+
+def _svg(figure) -> bytes:
     from matplotlib import rc_context
 
     buffer = io.BytesIO()

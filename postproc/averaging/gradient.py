@@ -49,8 +49,8 @@ def affine_fit(*, cell: np.ndarray, row: np.ndarray, weight: np.ndarray, x: np.n
 
     cell, row, weight: (n,); x: (n, dims); count: K. The normal equations of moments about the means:
     slope = (sum w q (x - place)) . (sum w (x - place) (x - place))^-1. Exact for affine q. NaN where the positions
-    of a cell do not span the space (fewer than dims + 1 particles, or all in one line or one layer), and everything NaN in an
-    empty cell.
+    of a cell do not span the space (fewer than dims + 1 particles, or all in one line or one layer), and everything
+    NaN in an empty cell.
     """
     total = grouped_sum(weight, cell, count)
     total[total == 0.0] = np.nan

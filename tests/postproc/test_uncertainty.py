@@ -104,7 +104,7 @@ def test_pooled_times_are_at_least_the_mean_of_the_profile():
 
 
 def test_pooled_errors_alarm_as_often_as_they_say():
-    """Two AR(1) profiles of equal mean, 60 frames a tau: t tests at 1 % are right, with taus of their own they are not."""
+    """Two AR(1) profiles of equal mean, 60 frames a tau: t tests at 1 % are right, with own taus they are not."""
     from scipy.signal import lfilter
     from scipy.stats import t
 
@@ -117,3 +117,4 @@ def test_pooled_errors_alarm_as_often_as_they_say():
             size = np.abs(e.mean - f.mean) / np.hypot(e.error, f.error)
             alarms[pooled] += list(2 * t.sf(size, np.minimum(e.samples, f.samples) - 1) < 0.01)
     assert np.mean(alarms[True]) < 0.015
+    assert np.mean(alarms[False]) > 1.5 * np.mean(alarms[True])

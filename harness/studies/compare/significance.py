@@ -18,7 +18,6 @@ import numpy as np
 
 from harness.studies.compare.profiles import Profile
 
-
 ROUNDING = 1e-12
 """Relative: what identical numbers, summed in another order, may be apart."""
 

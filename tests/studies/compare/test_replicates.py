@@ -9,8 +9,8 @@ from harness.scene.load import load_scene
 from harness.studies.compare.replicates import (
     AS_DECLARED,
     make_starts,
-    replicate_count,
     planned_runs,
+    replicate_count,
     responder,
     start_system,
 )
