@@ -1,4 +1,6 @@
 import json
+import subprocess
+import sys
 from datetime import UTC, datetime
 
 import msgspec
@@ -115,3 +117,17 @@ def test_host_facts_are_of_this_machine():
     assert all(host.values())
     assert json.dumps(host)
     assert host["cores"] >= 1
+
+
+def test_threads_find_the_types_ready(tmp_path):
+    """What msgspec learns of a type at its first use is no business of several threads: a crash in one of twenty."""
+    write_outcome(tmp_path / "outcome.json", outcome())
+    code = (
+        "import sys, msgspec._utils as u, pathlib\n"
+        "from harness.runs.outcome import read_outcome\n"
+        "u._get_class_mro_and_typevar_mappings = None  # whoever learns now, fails\n"
+        "print(read_outcome(pathlib.Path(sys.argv[1])).status)\n"
+    )
+    command = [sys.executable, "-c", code, str(tmp_path / "outcome.json")]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert (done.returncode, done.stdout) == (0, "completed\n"), done.stderr

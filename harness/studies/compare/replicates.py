@@ -8,6 +8,9 @@ The first replicate is not kicked: there all engines start from the same numbers
 followed pointwise, and its runs are those of a comparison without replicates. A scene whose particles come from a file
 has one packing; there replicates are kicks alone and engines are independent of each other.
 
+Several packings without kicks (``--packings``) are judged in the same way: there all engines start every packing from
+the same numbers, and what tells two of them apart after chaos is that they round differently.
+
 One more run, the response, is the first packing in one of the engines with a kick: it shows how far chaos drives runs
 apart (`harness.studies.compare.chaos`). Like every run it is kept in a folder named by its content, kick included.
 """

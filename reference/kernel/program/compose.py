@@ -90,8 +90,11 @@ def one_step(model: Model, nodes: Nodes, walls: MovingWalls, rings: TurningRings
     if model.convention.scheme == "corrected":
         _corrected_step(p, model, nodes, walls, rings, pairs)
         return p
-    _kick(p, nodes)
-    _move(p, nodes, walls, rings)
+    for part in nodes.parts(nodes.velocity_vector):
+        _kick(p, nodes, part)
+        _start_from_weights(p, nodes, part)
+        _drift(p, nodes, part)
+    _move_others(p, nodes, walls, rings)
     _forces(p, model, nodes, pairs)
     if any(isinstance(w.motion, Loaded) for w in model.walls):
         p.effect("loaded walls")
@@ -106,14 +109,21 @@ def _corrected_step(
     _find_normals(model, nodes, c)
     scheme = Corrections(model, nodes, walls, c)
     scheme.kick(p)
-    _move(p, nodes, walls, rings)
+    for part in nodes.parts(nodes.velocity_vector):
+        _start_from_weights(p, nodes, part)
+        _drift(p, nodes, part)
+    _move_others(p, nodes, walls, rings)
     scheme.predict(p)
     _forces(p, model, nodes, pairs, scheme)
     scheme.replace_kick(p)
 
 
-def _move(p: Program, nodes: Nodes, walls: MovingWalls, rings: TurningRings) -> None:
-    _drift(p, nodes)
+def _move_others(p: Program, nodes: Nodes, walls: MovingWalls, rings: TurningRings) -> None:
+    if nodes.turned is not None:
+        p.effect("rotation")
+        angle = empty(len(nodes.turned))
+        p(np.multiply, nodes.s, nodes.turn_factor, out=angle)
+        p(np.add, nodes.turned, angle, out=nodes.turned)
     if walls.moving:
         p.effect("driven walls")
         p.call("walls", walls.move)
@@ -121,7 +131,6 @@ def _move(p: Program, nodes: Nodes, walls: MovingWalls, rings: TurningRings) -> 
 
 
 def _forces(p: Program, model: Model, nodes: Nodes, pairs: PairList, scheme: Corrections | None = None) -> None:
-    _start_from_weights(p, nodes)
     for c in pairs.blocks:
         _find_normals(model, nodes, c)
         _contact_forces(p, model, nodes, c, scheme)
@@ -240,37 +249,38 @@ def _find_base(p: Program, model: Model, c: Contacts, normal: NormalOperations) 
         p(np.maximum, gripping, 0.0, out=c.base)
 
 
-def _kick(p: Program, nodes: Nodes) -> None:
+def _kick(p: Program, nodes: Nodes, part: slice) -> None:
     p.effect("motion")
-    work = nodes.work
-    p(np.multiply, nodes.force_vector, nodes.kick_factor, out=work)
-    p(np.add, nodes.velocity_vector, work, out=nodes.velocity_vector)
+    velocity, work = nodes.velocity_vector[part], nodes.work[: part.stop - part.start]
+    p(np.multiply, nodes.force_vector[part], nodes.kick_factor[part], out=work)
+    p(np.add, velocity, work, out=velocity)
 
 
-def _drift(p: Program, nodes: Nodes) -> None:
-    places = nodes.place_vector
-    work = nodes.work[: len(places)]
-    p(np.multiply, nodes.velocity_vector[: len(places)], nodes.drift_factor, out=work)
+def _drift(p: Program, nodes: Nodes, part: slice) -> None:
+    """Move on what of a part of the velocity vector has places."""
+    places = nodes.place_vector[part]
+    if not len(places):
+        return
+    p.effect("motion")
+    velocity, work = nodes.velocity_vector[part][: len(places)], nodes.work[: len(places)]
+    p(np.multiply, velocity, nodes.drift_factor[part], out=work)
     p(np.add, places, work, out=places)
-    if nodes.turned is not None:
-        p.effect("rotation")
-        angle = empty(len(nodes.turned))
-        p(np.multiply, nodes.s, nodes.turn_factor, out=angle)
-        p(np.add, nodes.turned, angle, out=nodes.turned)
 
 
-def _start_from_weights(p: Program, nodes: Nodes) -> None:
+def _start_from_weights(p: Program, nodes: Nodes, part: slice) -> None:
+    """Forces have moved the nodes, and are summed anew."""
     if nodes.rest_force is None:
         p.effect("sum")
-        p.fill(nodes.force_vector, 0.0)
+        p.fill(nodes.force_vector[part], 0.0)
     else:
         p.effect("gravity")
-        p.copy(nodes.rest_force, nodes.force_vector)
+        p.copy(nodes.rest_force[part], nodes.force_vector[part])
 
 
 def _drag(p: Program, model: Model, nodes: Nodes) -> None:
     p.effect("background drag")
-    force = nodes.force_vector[: len(nodes.place_vector)]
-    factor, work = lined_up(nodes.drift_factor * (model.drag / model.dt)), nodes.work[: len(force)]
-    p(np.multiply, nodes.velocity_vector[: len(force)], factor, out=work)
-    p(np.subtract, force, work, out=force)
+    factor = lined_up(nodes.drift_factor * (model.drag / model.dt))
+    for part in nodes.parts(nodes.place_vector):
+        force, work = nodes.force_vector[part], nodes.work[: part.stop - part.start]
+        p(np.multiply, nodes.velocity_vector[part], factor[part], out=work)
+        p(np.subtract, force, work, out=force)

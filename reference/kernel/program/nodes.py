@@ -3,7 +3,7 @@
     place_vector                   positions
     velocity_vector                [velocities | s],   s = R omega or omega
     force_vector                   [forces | m],       m = torque
-    work                           as long, free for work within a few operations
+    work                           as long as one of their parts, free for work within a few operations
     kick_factor, drift_factor      dt/m, dt/I times the spin unit; dt: with the signs of the layout; both are 0 but for
                                    particles
 
@@ -18,6 +18,9 @@ import numpy as np
 from reference.kernel.model import Model
 from reference.kernel.program.buffers import filled
 from reference.kernel.state import State
+
+PART = 1 << 14
+"""Numbers of a node vector that are moved at a time; whole cache lines."""
 
 
 class Nodes:
@@ -38,6 +41,11 @@ class Nodes:
         self.spin_unit = spin_unit
         self.turned = filled(0.0, self.count) if model.rotations else None
         self.turn_factor = None if spin_unit is None else model.dt / np.where(spin_unit > 0, spin_unit, 1.0)
+
+    @staticmethod
+    def parts(vector: np.ndarray) -> list[slice]:
+        """Return slices of at most PART numbers, of which one after the other is moved: the cache keeps them."""
+        return [slice(k, min(k + PART, len(vector))) for k in range(0, len(vector), PART)]
 
     def places(self, place_vector: np.ndarray | None = None) -> np.ndarray:
         """Return x, (dim, n), of now or of a copy of `place_vector`."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from reference.kernel.model import Model
 from reference.kernel.program.buffers import empty, filled, lined_up
-from reference.kernel.program.nodes import Nodes
+from reference.kernel.program.nodes import PART, Nodes
 from reference.kernel.state import State
 
 
@@ -27,7 +27,7 @@ class PlaneNodes(Nodes):
         self.place_vector = self.q.view(float)
         self.velocity_vector = filled(0.0, 2 * n if spin_unit is None else 3 * n)
         self.force_vector = lined_up(self.velocity_vector)
-        self.work = lined_up(self.velocity_vector)
+        self.work = empty(min(len(self.velocity_vector), PART))
         self.c, self.f = self.velocity_vector[: 2 * n].view(complex), self.force_vector[: 2 * n].view(complex)
         self.s = None if spin_unit is None else self.velocity_vector[2 * n :]
         self.m = None if spin_unit is None else self.force_vector[2 * n :]

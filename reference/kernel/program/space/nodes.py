@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from reference.kernel.model import Model
-from reference.kernel.program.buffers import filled, lined_up
-from reference.kernel.program.nodes import Nodes
+from reference.kernel.program.buffers import empty, filled, lined_up
+from reference.kernel.program.nodes import PART, Nodes
 from reference.kernel.state import State
 from reference.kernel.vectors import norm
 
@@ -21,7 +21,7 @@ class SpaceNodes(Nodes):
         self.x = self.place_vector.reshape(3, n)
         self.velocity_vector = filled(0.0, 3 * n if spin_unit is None else 6 * n)
         self.force_vector = lined_up(self.velocity_vector)
-        self.work = lined_up(self.velocity_vector)
+        self.work = empty(min(len(self.velocity_vector), PART))
         self.c, self.f = (a[: 3 * n].reshape(3, n) for a in (self.velocity_vector, self.force_vector))
         turning = (None, None) if spin_unit is None else (
             a[3 * n :].reshape(3, n) for a in (self.velocity_vector, self.force_vector))
