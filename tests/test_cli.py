@@ -72,7 +72,9 @@ def test_help_names_every_verb(call):
 def test_average_needs_nothing_of_the_harness():
     done = in_new_process("average", "--help", then="print(*[m for m in sys.modules if m.startswith('harness')])")
     assert done.returncode == 0
-    assert done.stdout.splitlines()[-1].split() == ["harness", "harness.arguments", "harness.errors", "harness.cli"]
+    assert done.stdout.splitlines()[-1].split() == [
+        "harness", "harness.arguments", "harness.errors", "harness.places", "harness.cli",
+    ]
 
 
 # --- wrong input ---------------------------------------------------------------------------------

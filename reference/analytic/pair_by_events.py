@@ -19,6 +19,14 @@ of the centres, m* the reduced mass, a the lever arms::
 Source: P. A. Cundall, O. D. L. Strack, Geotechnique 29, 47 (1979), as S. Luding, Granular Matter 10, 235 (2008),
 section 2.3, tells it. Where codes differ is a choice: `slip_arm`, `base`, `tested` below. Torques act at R - delta/2.
 Speeds in m/s, lengths in m, spins in rad/s counter-clockwise, SI throughout.
+
+Equal discs head-on without dashpot swap their velocities, after pi sqrt(m*/k):
+
+>>> bodies = Bodies(x=np.array([[0.0, 0.0], [2.1e-3, 0.0]]), v=np.array([[0.1, 0.0], [0.0, 0.0]]), spin=np.zeros(2),
+...                 radius=np.full(2, 1e-3), mass=np.full(2, 1e-5), inertia=np.full(2, 5e-12))
+>>> parted = collide(bodies, PairLaws(normal_stiffness=1e5, normal_damping=0.0, attraction="clipped"))
+>>> bool(np.allclose(parted.v, [[0.0, 0.0], [0.1, 0.0]], atol=1e-11)), f"{parted.duration:.4g}"
+(True, '2.221e-05')
 """
 
 from __future__ import annotations
