@@ -84,7 +84,7 @@ def _package_version(path: str) -> str:
 
 def _banner_version(path: str) -> str:
     """Return the number that the first line of its help names, behind the edition where that is not the public one."""
-    found = BANNER.search(_output([path, "-h"], status=1))
+    found = BANNER.search(_output([path, "-log", "none", "-h"], status=1))
     return f"{found[1].removeprefix('LIGGGHTS-PUBLIC')}-{found[2]}".lstrip("-") if found else ""
 
 
