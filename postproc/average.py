@@ -22,7 +22,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from postproc.averaging.registry import WrongSetting, make_cells
-from postproc.fields import IN_CELLS, OF_STATE, Field, Subject
+from postproc.fields import AT_POINTS, IN_CELLS, OF_STATE, Field, Subject
 from postproc.macro.coordination import MINIMUM_CONTACTS
 from postproc.options import INPUT_WRONG, check_places, parser
 from postproc.results import Averages, Value
@@ -83,7 +83,7 @@ def average(
     )
     if not snapshot.particles.rows:
         raise WrongSetting("state: expected at least one particle, got none")
-    chosen = {field.name for field in _chosen(fields)}
+    wanted = _chosen(fields)
     subject = Subject(
         cells=make_cells(
             cells, snapshot, weights=weights, frame=frame, kernel=kernel, width=width, margin=margin
@@ -95,6 +95,8 @@ def average(
         rate=rate,
         gravity=_acceleration(gravity, snapshot.dimension),
     )
+    if fields == ALL and "kernel" not in subject.cells.how:
+        wanted = tuple(field for field in wanted if field not in AT_POINTS)
     gaps = Gaps(cells=subject.cells)
     return Averages(
         time=snapshot.time,
@@ -102,18 +104,19 @@ def average(
         per_thickness=snapshot.per_thickness,
         particles=snapshot.particles.rows,
         cells=cells,
+        how=subject.cells.how,
         frame=subject.cells.frame,
         labels=subject.cells.labels,
         empty=int(gaps.empty.sum()),
         coordinates={name: Value(values=v, unit="m") for name, v in subject.cells.coordinates.items()},
-        in_cells={f.name: gaps.explain(f.name, f.evaluate(subject)) for f in IN_CELLS if f.name in chosen},
-        of_state={f.name: f.evaluate_state(subject) for f in OF_STATE if f.name in chosen},
+        in_cells={f.name: gaps.explain(f.name, f.evaluate(subject)) for f in wanted if f not in OF_STATE},
+        of_state={f.name: f.evaluate_state(subject) for f in wanted if f in OF_STATE},
     )
 
 
 def _chosen(names: str | Sequence[str]) -> tuple[Field, ...]:
-    """Return the fields of these names. Raises WrongSetting, with the name that comes closest."""
-    known = {field.name: field for field in (*IN_CELLS, *OF_STATE)}
+    """Return the fields of these names, in the order of the tables. Raises WrongSetting, with the closest name."""
+    known = {field.name: field for field in (*IN_CELLS, *AT_POINTS, *OF_STATE)}
     if names == ALL:
         return tuple(known.values())
     wanted = names.split(",") if isinstance(names, str) else names
@@ -121,7 +124,7 @@ def _chosen(names: str | Sequence[str]) -> tuple[Field, ...]:
         if name not in known:
             like = difflib.get_close_matches(name, known, n=3) or [*known]
             raise WrongSetting(f"fields: expected all, or names such as {', '.join(like)}; got {name!r}")
-    return tuple(known[name] for name in wanted)
+    return tuple(field for name, field in known.items() if name in wanted)
 
 
 def _check_settings(
@@ -170,17 +173,31 @@ def _complain(line: str) -> int:
 def _average_file(words: argparse.Namespace) -> Averages:
     from postproc.readers.state import holds_trajectory, read_state
 
-    snapshot = read_state(words.state, frame=words.frame)
-    reference = None
+    settings = {
+        "cells": words.cells, "fields": words.fields, "weights": words.weights, "frame": words.frame_of,
+        "kernel": words.kernel, "width": words.width, "margin": words.margin,
+        "minimum_contacts": words.minimum_contacts, "kn": words.kn, "kt": words.kt, "rate": words.rate,
+        "gravity": words.gravity,
+    }
     if words.reference is not None:
-        reference = read_state(words.reference)
-    elif holds_trajectory(words.state):
-        reference = read_state(words.state, frame=0)
-    return average(
-        snapshot, cells=words.cells, fields=words.fields, weights=words.weights, frame=words.frame_of,
-        kernel=words.kernel, width=words.width, margin=words.margin, minimum_contacts=words.minimum_contacts,
-        kn=words.kn, kt=words.kt, reference=reference, rate=words.rate, gravity=words.gravity,
-    )
+        settings["reference"] = read_state(words.reference)
+    if words.frames is not None:
+        return _over_time(words, settings)
+    snapshot = read_state(words.state, frame=words.frame)
+    if words.reference is None and holds_trajectory(words.state):
+        settings["reference"] = read_state(words.state, frame=0)
+    return average(snapshot, **settings)
+
+
+def _over_time(words: argparse.Namespace, settings: dict[str, object]) -> Averages:
+    from postproc.over_time import average_over_time
+    from postproc.readers.state import holds_trajectory
+
+    if words.frame is not None:
+        raise WrongSetting("--frames: expected it without --frame, got both; one frame has no mean over time")
+    if not holds_trajectory(words.state):
+        raise WrongSetting(f"--frames: expected a trajectory, which has frames, got {words.state}, a single state")
+    return average_over_time(words.state, words.frames, **settings)
 
 
 def _deliver(averages: Averages, words: argparse.Namespace) -> None:

@@ -202,6 +202,7 @@ TURNING = ("vector", "tensor", "axial", "couple")
 
 PER_THICKNESS = {
     "Pa": "N/m", "J/m^3": "J/m^2", "1/m^3": "1/m^2", "kg/(m^2 s)": "kg/(m s)", "N/m": "N", "N": "N m",
+    "N/m^3": "N/m^2",
 }
 """Units of fields per volume, and what they are per area, in a 2D state of thickness 1."""
 
@@ -295,6 +296,11 @@ IN_CELLS = (
     Field("unbalanced_force", "1", "scalar", lambda s: unbalanced_force(s.ends, s.cells, s.acceleration)),
 )
 """Quantities of every cell, values (K, ...)."""
+
+AT_POINTS = (
+    Field("interaction_force_density", "N/m^3", "vector", lambda s: s.cells.interaction_force_density(s.ends)),
+)
+"""Quantities that only a kernel spreads in space, values (K, ...); of other cells they are not among all fields."""
 
 OF_STATE = (
     Field("axial_strain", "1", "vector", lambda s: axial_strain(s.snapshot, s.reference)[None]),

@@ -35,6 +35,8 @@ def parser(prog: str) -> argparse.ArgumentParser:
     add = made.add_argument
     add("state", type=_file, metavar="STATE", help="neutral state (.h5, .json, NAME of CSV files) or trajectory.h5")
     add("--frame", type=int, metavar="K", help="frame of a trajectory, from 0; default the last")
+    add("--frames", type=_range, metavar="START:STOP",
+        help="mean over these frames of a trajectory, from 0, with errors; 20: from 20 to the end")
     add("--cells", default="box", metavar="KIND[:WORDS]", help="what to average over, see below; default box")
     add("--fields", default="all", metavar="NAME,...", help="quantities; default all")
     add("--weights", choices=WEIGHTS, help="particles cut by a border: exact fractions, or whole where their centre is")
@@ -53,6 +55,17 @@ def parser(prog: str) -> argparse.ArgumentParser:
     add("--out", type=_folder, metavar="DIR", help=f"write {', '.join(FILES[:-1])} and {FILES[-1]} there")
     add("--json", metavar="FILE", help="write JSON; - for standard output, in place of the table")
     return made
+
+
+def _range(text: str) -> slice:
+    """Read START:STOP, either of which may be missing."""
+    start, colon, stop = text.partition(":")
+    try:
+        if not colon:
+            raise ValueError
+        return slice(*(int(word) if word.strip() else None for word in (start, stop)))
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"expected START:STOP, such as 20: or 20:60, got {text!r}") from None
 
 
 def _folder(text: str) -> Path:

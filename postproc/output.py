@@ -4,11 +4,22 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
 
-from postproc.results import Averages, Result, Unavailable, Value, columns_of, headed, reasons_of, undefined_in
+from postproc.results import (
+    Averages,
+    Result,
+    Unavailable,
+    Value,
+    columns_of,
+    doubts_of,
+    headed,
+    reasons_of,
+    undefined_in,
+)
 
 FILES = ("average.json", "cells.csv", "state.csv")
 """What `write_files` writes."""
@@ -18,10 +29,12 @@ def json_text(averages: Averages) -> str:
     """Return one JSON object; NaN is null (with the reason under "undefined"), numbers have all their digits."""
     data = {
         "time": _number(averages.time),
+        **({} if averages.period is None else {"period": asdict(averages.period)}),
         "dimension": averages.dimension,
         "per_unit_thickness": averages.per_thickness,
         "particles": averages.particles,
         "cells": averages.cells,
+        **averages.how,
         "frame": averages.frame,
         "labels": averages.labels,
         "cells_without_particles": averages.empty,
@@ -53,19 +66,28 @@ PER_THICKNESS = "per unit thickness, as none other than 1 was given: stresses ar
 
 def table_text(averages: Averages) -> str:
     """Return a table to read: one value a line for one cell, mean, least and largest for several."""
-    time = "unknown time" if np.isnan(averages.time) else f"t = {averages.time:.9g} s"
     count = len(averages.labels)
-    cells = f"cells: {averages.cells}" + (f" ({count}; mean, least, largest)" if count > 1 else "")
-    head = f"{averages.dimension}D, {averages.particles} particles, {time}, {cells}"
+    how = "".join(f", {name}: {value}" for name, value in averages.how.items())
+    cells = f"cells: {averages.cells}{how}" + (f" ({count}; mean, least, largest)" if count > 1 else "")
+    head = f"{averages.dimension}D, {averages.particles} particles, {_when(averages)}, {cells}"
     lines = [head, PER_THICKNESS] if averages.per_thickness else [head]
     if averages.empty:
-        lines += [f"{averages.empty} of {count} cells without particles: densities and sums are 0 there"]
+        most = "" if averages.period is None else "at most "
+        lines += [f"{most}{averages.empty} of {count} cells without particles: densities and sums are 0 there"]
     lines += ["", *_lines(averages.in_cells), "", "whole box", *_lines(averages.of_state)]
     everything = {**averages.in_cells, **averages.of_state}
-    for title, reasons in (("nan", undefined_in(everything)), ("unavailable", reasons_of(everything))):
+    groups = {"nan": undefined_in, "errors not to be trusted": doubts_of, "unavailable": reasons_of}
+    for title, reasons in ((title, of(everything)) for title, of in groups.items()):
         if reasons:
             lines += ["", title, *(f"  {name}: {reason}" for name, reason in reasons.items())]
     return "\n".join(lines) + "\n"
+
+
+def _when(averages: Averages) -> str:
+    if averages.period is not None:
+        period = averages.period
+        return f"mean of {period.frames} frames, t = {period.first:.9g} to {period.last:.9g} s"
+    return "unknown time" if np.isnan(averages.time) else f"t = {averages.time:.9g} s"
 
 
 def _lines(results: Mapping[str, Result]) -> list[str]:
@@ -95,6 +117,8 @@ def _json(result: Result) -> dict:
     if isinstance(result, Unavailable):
         return {"unavailable": result.reason}
     data = {"unit": result.unit, "components": result.components, "values": _nested(result.values.tolist())}
+    if result.errors is not None:
+        data |= {"errors": _nested(result.errors.tolist())} | ({"doubt": result.doubt} if result.doubt else {})
     return data | ({"undefined": result.undefined} if result.undefined else {})
 
 

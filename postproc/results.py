@@ -25,19 +25,26 @@ class Value:
 
     components: () for a scalar, else one suffix a component in the order of the flattened array,
     such as ("xx", "xy", "yx", "yy"). undefined: where and why values are NaN; "" when none is.
+    errors: one standard error of each value, for means over time. doubt: which of them not to trust, and why.
     """
 
     values: np.ndarray
     unit: str
     components: tuple[str, ...] = ()
     undefined: str = ""
+    errors: np.ndarray | None = None
+    doubt: str = ""
 
     def columns(self, name: str) -> dict[str, np.ndarray]:
-        """Return the scalar columns (K,) of this quantity: "name (unit)", or "name_xx (unit)", ..."""
+        """Return the scalar columns (K,) of this quantity: "name (unit)", or "name_xx (unit)", ...; then errors."""
+        columns = self._columns(name, "", self.values)
+        return columns if self.errors is None else columns | self._columns(name, " error", self.errors)
+
+    def _columns(self, name: str, what: str, values: np.ndarray) -> dict[str, np.ndarray]:
         if not self.components:
-            return {headed(name, self.unit): self.values}
-        flat = self.values.reshape(len(self.values), -1)
-        return {headed(f"{name}_{part}", self.unit): flat[:, k] for k, part in enumerate(self.components)}
+            return {headed(f"{name}{what}", self.unit): values}
+        flat = values.reshape(len(values), -1)
+        return {headed(f"{name}_{part}{what}", self.unit): flat[:, k] for k, part in enumerate(self.components)}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,13 +58,24 @@ Result = Value | Unavailable
 
 
 @dataclass(frozen=True, kw_only=True)
+class Period:
+    """Frames that a mean over time is of: times of the first and the last, s, and their number."""
+
+    first: float
+    last: float
+    frames: int
+
+
+@dataclass(frozen=True, kw_only=True)
 class Averages:
     """All quantities of one state.
 
-    cells: the cells as they were asked for, labels: one name each (K). frame: "cartesian" or "polar", whose
+    cells: the cells as they were asked for, labels: one name each (K). how: particles
+    count in them: "weights", or "kernel" and "width (m)". frame: "cartesian" or "polar", whose
     components the quantities in cells have. coordinates: where the cells are, values (K,). in_cells: quantities per
     cell, values (K, ...). of_state: quantities of the whole box, values (1, ...), Cartesian. empty: number of cells
     without particles, where every density is 0. per_thickness: a 2D state of thickness 1, whose stresses are in N/m.
+    period: of means over time (`time` is then that of the last frame, `empty` the most in any); None for one state.
     """
 
     time: float
@@ -65,12 +83,14 @@ class Averages:
     per_thickness: bool
     particles: int
     cells: str
+    how: Mapping[str, str | float]
     frame: str
     labels: tuple[str, ...]
     empty: int
     coordinates: Mapping[str, Value]
     in_cells: Mapping[str, Result]
     of_state: Mapping[str, Result]
+    period: Period | None = None
 
     def __getitem__(self, name: str) -> np.ndarray:
         """Return the values of a quantity; MissingColumn with the reason if it is unavailable."""
@@ -89,6 +109,11 @@ def columns_of(results: Mapping[str, Result]) -> dict[str, np.ndarray]:
 def undefined_in(results: Mapping[str, Result]) -> dict[str, str]:
     """Return where and why values are NaN, of every quantity that has some."""
     return {name: r.undefined for name, r in results.items() if isinstance(r, Value) and r.undefined}
+
+
+def doubts_of(results: Mapping[str, Result]) -> dict[str, str]:
+    """Return which errors are not to be trusted and why, of every quantity that has such."""
+    return {name: r.doubt for name, r in results.items() if isinstance(r, Value) and r.doubt}
 
 
 def reasons_of(results: Mapping[str, Result]) -> dict[str, str]:

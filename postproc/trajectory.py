@@ -29,6 +29,10 @@ from postproc.snapshot import Columns, Snapshot
 
 GROUPS = ("particles", "contacts", "walls")
 
+LOCKING = False
+"""A file is whole before it has its name, so readers need no lock; and HDF5's own lock is inherited for a moment by a
+process that another thread starts: a file just written could then not be read."""
+
 
 class ReadError(Exception):
     """A file that is damaged, cut short or not what it should be; the message names it and the place."""
@@ -55,7 +59,7 @@ def write_trajectory(path: Path, trajectory: Trajectory) -> None:
 
     path = Path(path)
     part = path.with_name(path.name + ".part")
-    with h5py.File(part, "w") as f:
+    with h5py.File(part, "w", locking=LOCKING) as f:
         _write_frames(f, trajectory)
         if trajectory.series is not None:
             for name in trajectory.series:
@@ -89,7 +93,7 @@ def _read(path: Path, what: Callable[[Any], T]) -> T:
     import h5py
 
     try:
-        with h5py.File(path, "r") as f:
+        with h5py.File(path, "r", locking=LOCKING) as f:
             if f.attrs.get("finished") != 1:
                 raise ReadError(f"{path}: not a finished trajectory")
             return what(f)

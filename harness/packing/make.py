@@ -18,6 +18,7 @@ import numpy as np
 from harness.errors import InputError
 from harness.packing.cache import cached_path, read_cached, write_cached
 from harness.packing.insertion import LOOSE, insert_loose
+from harness.packing.radii import draw_radii, radii_key
 from harness.scene.bodies import read_packing_file
 from harness.scene.model import Preparation, RandomParticles
 
@@ -63,7 +64,7 @@ def make_packing(
     start = None if particles.packing is None else read_packing_file(scene_folder, particles.packing)
     key = {
         "method": METHOD, "count": particles.count, "seed": seed, "stiffness": stiffness,
-        "radius": None if particles.radius is None else [particles.radius.min, particles.radius.max],
+        "radius": radii_key(particles),
         "pressure": preparation.pressure, "tolerance": preparation.residual_tolerance,
         "file": None if start is None else [hashlib.sha256(a.tobytes()).hexdigest() for a in start],
     }
@@ -78,7 +79,7 @@ def make_packing(
 
 def _loose(particles: RandomParticles, seed: int):
     rng = np.random.default_rng(seed)
-    radius = rng.uniform(particles.radius.min, particles.radius.max, particles.count)
+    radius = draw_radii(particles, rng)
     x, side = insert_loose(radius, rng)
     shrink = float(np.sqrt(LOOSE / BELOW_JAMMING))
     return x * shrink, radius, (side * shrink, side * shrink)

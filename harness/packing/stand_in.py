@@ -9,6 +9,7 @@ import numpy as np
 from harness.packing.grow import Flow, inserted
 from harness.packing.insertion import insert_loose
 from harness.packing.make import Packing
+from harness.packing.radii import draw_radii
 from harness.scene.model import Biaxial, Couette
 from harness.scene.ring import radii
 
@@ -20,7 +21,7 @@ def stand_in(scene: Biaxial | Couette) -> Packing | Flow:
 
 def _loose(scene: Biaxial) -> Packing:
     rng = np.random.default_rng(0)
-    radius = rng.uniform(scene.particles.radius.min, scene.particles.radius.max, scene.particles.count)
+    radius = draw_radii(scene.particles, rng)
     x, side = insert_loose(radius, rng)
     return Packing(x=x.T, radius=radius, box=(side, side), residual=float("nan"), contacts=0, path=Path())
 

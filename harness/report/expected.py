@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import singledispatch
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from harness.engines.protocol import REFUSED, Engine, takes
 from harness.engines.registry import find_engine
@@ -14,6 +15,9 @@ from harness.packing.stand_in import stand_in
 from harness.scene.model import Biaxial, Couette, Scene
 from harness.scene.resolve import known_system, needs_packing, resolve
 from harness.scene.system import System
+
+if TYPE_CHECKING:
+    from harness.studies.reproduce.protocol import Case
 
 REPORT_SECONDS = 2.0
 """Reading, judging, averaging and drawing (measured: 1.7 s for two bodies, 2.5 s for a box of 200 discs)."""
@@ -85,6 +89,34 @@ def longest_first(costs: Iterable[float], workers: int) -> float:
     for cost in sorted(costs, reverse=True):
         heapq.heapreplace(ends, ends[0] + cost)
     return max(ends)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExpectedCases(Expected):
+    """Several scenes; cpu: seconds of all runs together."""
+
+    cpu: float
+
+
+def expected_cases(
+    cases: Sequence[Case], engines: Sequence[Engine], *, workers: int | None = None
+) -> ExpectedCases:
+    """Return what the runs of a study's cases take together, packings included."""
+    from harness.runs.outcome import usable_cores
+
+    costs: list[float] = []
+    packing, packings = 0.0, 0
+    for case in cases:
+        system = likely_system(case.scene, case.file)
+        costs += [run_seconds(e, system) for e in engines if e.probe().available and takes(e, system)] * case.packings
+        if needs_packing(case.scene):
+            packing += case.packings * packing_seconds(case.scene, system)
+            packings += case.packings
+    at_once = max(1, min(workers or usable_cores(), len(costs)))
+    return ExpectedCases(
+        seconds=packing + longest_first(costs, at_once) + REPORT_SECONDS, cpu=packing + sum(costs), runs=len(costs),
+        packings=packings, at_once=at_once,
+    )
 
 
 # --- by kind of scene ------------------------------------------------------------------------

@@ -118,22 +118,27 @@ def draw_force_chains(axes, frame: Snapshot, *, full_width: float, view: np.ndar
     axes.add_collection(LineCollection(
         np.stack([start, end], axis=1), linewidths=np.minimum(3.0 * force / full_width, 4.0), colors="#222222",
     ))
-    _box_view(axes, frame, view)
+    box_view(axes, frame, view)
 
 
 def draw_rotations(axes, frame: Snapshot, rotation: np.ndarray, *, limit: float, view: np.ndarray):
     """Draw the discs coloured by rotation in degrees, red counter-clockwise; return the artist."""
+    return draw_discs(axes, frame, rotation, low=-limit, high=limit, colours="RdBu_r", view=view)
+
+
+def draw_discs(axes, frame: Snapshot, values: np.ndarray, *, low: float, high: float, colours: str, view: np.ndarray):
+    """Draw the discs coloured by `values` (N,) between two ends of a colour map; return the artist."""
     from matplotlib.collections import EllipseCollection
 
     p = frame.particles
     diameter = 2e3 * p["radius"]
     discs = EllipseCollection(
         diameter, diameter, np.zeros_like(diameter), units="x", offsets=1e3 * p.vector("x", "y"),
-        transOffset=axes.transData, array=rotation, cmap="RdBu_r", edgecolors="none",
+        transOffset=axes.transData, array=values, cmap=colours, edgecolors="none",
     )
-    discs.set_clim(-limit, limit)
+    discs.set_clim(low, high)
     axes.add_collection(discs)
-    _box_view(axes, frame, view)
+    box_view(axes, frame, view)
     return discs
 
 
@@ -158,10 +163,11 @@ def typical_force(frame: Snapshot) -> float:
     return 4.0 * float(np.hypot(c["fx"], c["fy"]).mean()) if c.rows else 1.0
 
 
-def _box_view(axes, frame: Snapshot, view: np.ndarray) -> None:
-    """Draw the walls, show `view`, hide the axes."""
-    (left, right), (bottom, top) = 1e3 * np.asarray(frame.box)
-    axes.plot([left, right, right, left, left], [bottom, bottom, top, top, bottom], color="#888888", lw=0.8)
+def box_view(axes, frame: Snapshot, view: np.ndarray) -> None:
+    """Draw the walls of a box if there are any, show `view` (2, 2) in m, hide the axes."""
+    if frame.box is not None:
+        (left, right), (bottom, top) = 1e3 * np.asarray(frame.box)
+        axes.plot([left, right, right, left, left], [bottom, bottom, top, top, bottom], color="#888888", lw=0.8)
     axes.set_xlim(*(1e3 * view[0]))
     axes.set_ylim(*(1e3 * view[1]))
     axes.set_aspect("equal")

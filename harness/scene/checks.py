@@ -7,6 +7,7 @@ stands in the schema; contact laws in `harness.scene.contact_checks`; time step 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -25,6 +26,9 @@ Check = Callable[[Scene], Iterator[Fault]]
 
 LARGEST_PRESSURE = 0.25
 """Over the stiffness with which a contact begins, both in N/m: twice that part of a radius is the overlap."""
+
+LARGEST_LATTICE = 1_000_000
+"""Bodies of a lattice."""
 
 SAMPLED_TIMES = 1001
 """Instants at which the gap of two moving walls is looked at."""
@@ -157,15 +161,42 @@ def published_values_exist(scene: Biaxial) -> Iterator[Fault]:
 
 
 def bodies_given_once(scene: Free) -> Iterator[Fault]:
-    """Particles stand in the scene or in a file."""
-    if bool(scene.bodies) == (scene.bodies_file is not None):
-        got = "both" if scene.bodies else "neither"
-        yield Fault(place="bodies", expected="either bodies or bodies_file", got=got)
+    """Particles stand in the scene, in a file or on a lattice."""
+    given = {"bodies": bool(scene.bodies), "bodies_file": scene.bodies_file, "bodies_from": scene.bodies_from}
+    names = [name for name, value in given.items() if value not in (None, False)]
+    if len(names) != 1:
+        got = " and ".join(names) if names else "none of them"
+        yield Fault(place="bodies", expected="one of bodies, bodies_file and bodies_from", got=got)
+
+
+def lattice_is_drawn_from_a_seed(scene: Free) -> Iterator[Fault]:
+    """What is drawn needs a seed; a lattice has as many counts as axes, and triangles only in the plane."""
+    lattice = scene.bodies_from
+    if lattice is None:
+        return
+    if lattice.radius.min > lattice.radius.max:
+        yield Fault(
+            place="bodies_from.radius.max", got=f"{lattice.radius.max:g}",
+            expected=f"a number >= bodies_from.radius.min = {lattice.radius.min:g}",
+        )
+    if lattice.arrangement == "triangular" and scene.dimension == 3:
+        yield Fault(place="bodies_from.arrangement", expected='"square" in 3D', got='"triangular"')
+    if lattice.seed is None and (lattice.speed or lattice.radius.min < lattice.radius.max):
+        yield Fault(
+            place="bodies_from.seed", expected="an integer, as radii or velocities are drawn", got="nothing",
+            fix="add seed",
+        )
+    if math.prod(lattice.counts) > LARGEST_LATTICE:
+        yield Fault(
+            place="bodies_from.counts", got=show(list(lattice.counts)), expected=f"at most {LARGEST_LATTICE} bodies"
+        )
 
 
 def vectors_fit_dimension(scene: Free) -> Iterator[Fault]:
     """Vectors of planes and box have as many components as the scene."""
     vectors = {"gravity": scene.gravity, "periodic": scene.periodic}
+    if scene.bodies_from is not None:
+        vectors |= {"bodies_from.corner": scene.bodies_from.corner, "bodies_from.counts": scene.bodies_from.counts}
     for i, plane in enumerate(scene.planes):
         vectors |= {f"planes[{i}].point": plane.point, f"planes[{i}].normal": plane.normal}
         if isinstance(plane.motion, ConstantMotion):
@@ -309,7 +340,7 @@ CHECKS: dict[type, tuple[Check, ...]] = {
     Couette: (*OF_CONTACTS, *OF_RINGS),
     Free: (
         *OF_CONTACTS,
-        bodies_given_once, vectors_fit_dimension, gravity_is_on, periodic_is_on,
+        bodies_given_once, lattice_is_drawn_from_a_seed, vectors_fit_dimension, gravity_is_on, periodic_is_on,
         plane_names_differ, normals_point_somewhere, motions_are_on, rough_planes_have_friction,
         planes_leave_periodic_axes_free, planes_stay_apart,
     ),

@@ -80,8 +80,9 @@ def _plain(row: Row) -> dict:
 def _scene_rows(scene: Scene) -> Iterator[Row]:
     """Yield every value of the scene by its path, as it was understood; bodies as a number."""
     data = msgspec.to_builtins(scene)
-    bodies = data.pop("bodies", None)
+    bodies, promised = data.pop("bodies", None), data.pop("expect", None) or {}
     yield from _leaves(data, [])
+    yield from (Row(name="expect", value=i["name"], note=i["reason"]) for i in promised.get("invariants", ()))
     if bodies:
         yield Row(name="bodies", value=len(bodies), note="particles in the scene file")
 

@@ -15,6 +15,7 @@ from typing import Annotated, Literal
 from msgspec import Meta
 
 from harness.scene.contact import Contact
+from harness.scene.expect import Expect
 from harness.scene.tables import Count, Name, NonNegative, Positive, Table, Title, Vector
 
 # --- particles -------------------------------------------------------------------------------
@@ -25,6 +26,17 @@ class UniformRadius(Table, tag="uniform", tag_field="kind"):
 
     min: Positive
     max: Positive
+
+
+class SteppedRadius(Table, tag="stepped", tag_field="kind"):
+    """Radii drawn from `steps` equally likely values, the middles of as many equal parts of min to max, in m.
+
+    A uniform distribution for what can tell apart a few sizes only.
+    """
+
+    min: Positive
+    max: Positive
+    steps: Annotated[int, Meta(ge=2, le=1000)]
 
 
 class SphereMass(Table, tag="sphere", tag_field="kind"):
@@ -53,7 +65,7 @@ class RandomParticles(Table):
     mass: SphereMass | DiscMass
     inertia: Inertia
     count: Annotated[int, Meta(ge=1, le=1_000_000)] | None = None
-    radius: UniformRadius | None = None
+    radius: UniformRadius | SteppedRadius | None = None
     seed: Annotated[int, Meta(ge=0)] | None = None
     packing: str | None = None
 
@@ -207,6 +219,7 @@ class Biaxial(Table, tag="biaxial", tag_field="kind"):
     outputs: Outputs
     background: Background | None = None
     compare: Compare = Compare()
+    expect: Expect | None = None
 
     @property
     def dimension(self) -> int:
@@ -309,6 +322,7 @@ class Couette(Table, tag="couette", tag_field="kind"):
     outputs: Outputs
     compare: RingCompare
     background: Background | None = None
+    expect: Expect | None = None
 
     @property
     def dimension(self) -> int:
@@ -317,6 +331,24 @@ class Couette(Table, tag="couette", tag_field="kind"):
 
 
 # --- free scenes -----------------------------------------------------------------------------
+
+
+class Lattice(Table):
+    """Bodies on a lattice: `counts` of them along each axis, `spacing` (m) apart, the first one centred on `corner`.
+
+    "square" in 3D is simple cubic; "triangular" is 2D, its rows sqrt(3)/2 spacings apart. With `speed` (m/s) every
+    component of velocity is drawn from N(0, speed), less the mean; radii and velocities belong to `seed`.
+    """
+
+    arrangement: Literal["square", "triangular"]
+    counts: Annotated[tuple[Count, ...], Meta(min_length=2, max_length=3)]
+    spacing: Positive
+    corner: Vector
+    radius: UniformRadius
+    mass: SphereMass | DiscMass
+    inertia: Inertia
+    speed: Positive | None = None
+    seed: Annotated[int, Meta(ge=0)] | None = None
 
 
 class ConstantMotion(Table, tag="constant", tag_field="kind"):
@@ -356,8 +388,8 @@ class Plane(Table):
 class Free(Table, tag="free", tag_field="kind"):
     """Explicit particles, planes, gravity: collisions, single bodies, chains and lattices.
 
-    `bodies` stand inline or in a CSV file (`bodies_file`: x,y[,z],radius,mass and optionally
-    vx,vy[,vz], wz in 2D or wx,wy,wz in 3D, inertia). `periodic` gives the box length of each axis, 0 for open ones.
+    `bodies` stand inline, in a CSV file (`bodies_file`: x,y[,z],radius,mass and optionally
+    vx,vy[,vz], wz in 2D or wx,wy,wz in 3D, inertia) or on a lattice (`bodies_from`). `periodic` gives the box length of each axis, 0 for open ones.
     """
 
     title: Title
@@ -372,7 +404,9 @@ class Free(Table, tag="free", tag_field="kind"):
     gravity: Vector | None = None
     periodic: tuple[NonNegative, ...] | None = None
     background: Background | None = None
+    bodies_from: Lattice | None = None
     compare: FreeCompare = FreeCompare()
+    expect: Expect | None = None
 
 
 Scene = Biaxial | Couette | Free

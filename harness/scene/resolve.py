@@ -18,6 +18,7 @@ import numpy as np
 from harness.scene.bodies import read_bodies, read_packing_file
 from harness.scene.fault import Fault
 from harness.scene.grains import Grains, grains_of, inertia_factor, mass_of
+from harness.scene.lattice import lattice_particles
 from harness.scene.model import (
     Biaxial,
     Body,
@@ -90,9 +91,7 @@ def resolve_free(scene: Free, folder: Path, *, name: str = "scene") -> System:
     Raises InputError for particles that start where they may not, and for a time step too large.
     """
     file = Path(folder) / f"{name}.toml"
-    bodies, origin = _bodies(scene, Path(folder), file)
-    _refuse(component_faults(bodies, scene.dimension, origin), origin.file)
-    particles = _explicit_particles(bodies, scene.dimension)
+    particles, origin = _particles(scene, Path(folder), file)
     system = System(
         dimension=scene.dimension, particles=particles, gravity=scene.gravity, periodic=scene.periodic,
         walls=tuple(_plane_wall(k, plane) for k, plane in enumerate(scene.planes, start=1)),
@@ -100,6 +99,16 @@ def resolve_free(scene: Free, folder: Path, *, name: str = "scene") -> System:
     )
     check_placement(system, origin, EXPLICIT)
     return system
+
+
+def _particles(scene: Free, folder: Path, file: Path) -> tuple[Particles, Origin]:
+    if scene.bodies_from is not None:
+        particles = lattice_particles(scene.bodies_from)
+        places = [f"bodies_from, body {k + 1}" for k in range(len(particles))]
+        return particles, Origin(file=file, places=places)
+    bodies, origin = _bodies(scene, folder, file)
+    _refuse(component_faults(bodies, scene.dimension, origin), origin.file)
+    return _explicit_particles(bodies, scene.dimension), origin
 
 
 def _bodies(scene: Free, folder: Path, file: Path) -> tuple[tuple[Body, ...], Origin]:

@@ -23,7 +23,7 @@ from postproc.averaging.frame import CARTESIAN, axes_of, polar_turn, turn_tensor
 from postproc.averaging.gradient import Fit, affine_fit
 from postproc.averaging.words import WrongSetting
 from postproc.geometry import centre, positions
-from postproc.snapshot import Snapshot
+from postproc.snapshot import MissingColumn, Snapshot
 
 if TYPE_CHECKING:
     from postproc.macro.contact_ends import ContactEnds
@@ -64,6 +64,12 @@ class Cells(ABC):
         return {}
 
     @property
+    def how(self) -> Mapping[str, str | float]:
+        """How particles count, in words and in m: the weights, or kernel and width; empty where there is no choice."""
+        weights = getattr(self, "weights", None)
+        return {} if weights is None else {"weights": weights}
+
+    @property
     @abstractmethod
     def labels(self) -> tuple[str, ...]:
         """One name a cell."""
@@ -94,6 +100,11 @@ class Cells(ABC):
         velocity's is d v_a / d x_b. mass: (N,), weighs the mean; without it all particles are alike.
         NaN where the cell cannot give one (too few particles).
         """
+
+    def interaction_force_density(self, ends: ContactEnds) -> np.ndarray:
+        """What walls do to grains as a field, (K, dim), N/m^3. MissingColumn where cells cannot spread it."""
+        del ends
+        raise MissingColumn("walls act along lines, which only a kernel spreads in space: --cells points:...")
 
     def density(self, q: np.ndarray) -> np.ndarray:
         """Per volume: (1/V) sum_p w_V^p Q^p."""

@@ -10,7 +10,7 @@ import pytest
 
 from postproc.average import average, main
 from postproc.averaging.registry import CELLS, WrongSetting
-from postproc.fields import IN_CELLS, OF_STATE
+from postproc.fields import AT_POINTS, IN_CELLS, OF_STATE
 from postproc.macro.tensors import principal
 from postproc.readers.state import write_state
 from postproc.results import Unavailable, Value, columns_of, reasons_of
@@ -32,10 +32,11 @@ def test_every_quantity_keeps_the_promises(states, kind):
     state = complete(states, states.random_contacts(2, 2, count=80))
     averages = average(state, cells=states.words(kind, 2), reference=state, rate=1.0, gravity=(0.0, -9.81))
     assert reasons_of({**averages.in_cells, **averages.of_state}) == {}
-    for fields, count in ((IN_CELLS, len(averages.labels)), (OF_STATE, 1)):
+    in_cells = (*IN_CELLS, *AT_POINTS) if kind == "points" else IN_CELLS
+    for fields, count in ((in_cells, len(averages.labels)), (OF_STATE, 1)):
         for field in fields:
             assert averages[field.name].shape == (count, *SHAPES[field.rank]), field.name
-    assert len(columns_of(averages.in_cells)) == sum(int(np.prod(SHAPES[f.rank])) for f in IN_CELLS)
+    assert len(columns_of(averages.in_cells)) == sum(int(np.prod(SHAPES[f.rank])) for f in in_cells)
 
 
 @pytest.mark.parametrize("name", ["stress", "fabric"])

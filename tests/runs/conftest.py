@@ -39,6 +39,9 @@ for step in range(deck["steps"] + 1):
         os.kill(os.getpid(), getattr(signal, mode))
     if step == half and mode == "hang":
         time.sleep(600)
+    if step == half and mode == "full":
+        with open("/dev/full", "w") as disk:
+            disk.write("x" * 100000)
     if step == half and mode == "cut":
         frames.write('{"step": 6, "x": [[0.1'); break
     if step >= half and mode == "nan":

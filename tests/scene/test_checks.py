@@ -94,8 +94,8 @@ def test_one_packing_of_a_file(scenes):
 
 
 FREE_REFUSALS = [
-    ({"bodies_file": "b.csv"}, "bodies: expected either bodies or bodies_file, got both"),
-    ({"bodies": []}, "bodies: expected either bodies or bodies_file, got neither"),
+    ({"bodies_file": "b.csv"}, "bodies: expected one of bodies, bodies_file and bodies_from, got bodies and bodies_file"),
+    ({"bodies": []}, "bodies: expected one of bodies, bodies_file and bodies_from, got none of them"),
     ({"gravity": [0.0, 0.0, -9.81]}, "gravity: expected 2 components, as dimension = 2, got 3: [0.0, 0.0, -9.81]"),
     (
         {"gravity": [0.0, 0.0]},

@@ -26,7 +26,10 @@ SMOOTHED = 0.005
 
 @dataclass(frozen=True, kw_only=True)
 class BiaxialCurves:
-    """Arrays of one length S, one entry a sample; SI units, stresses in N/m, forces > 0 in compression."""
+    """Arrays of one length S, one entry a sample; SI units, stresses in N/m, forces > 0 in compression.
+
+    width: strain over which curves are smoothed.
+    """
 
     step: np.ndarray
     time: np.ndarray
@@ -38,6 +41,7 @@ class BiaxialCurves:
     force_left: np.ndarray
     force_right: np.ndarray
     pressure: float
+    width: float = SMOOTHED
 
     @property
     def stress_zz(self) -> np.ndarray:
@@ -87,14 +91,14 @@ class BiaxialCurves:
 
         Of the ratio, the side force that the control check judges would decide where it is judged.
         """
-        return first_peak(self.strain, self.stress_zz, self.smoothed(self.stress_zz), settled=SMOOTHED)
+        return first_peak(self.strain, self.stress_zz, self.smoothed(self.stress_zz), settled=self.width)
 
     def smoothed(self, values: np.ndarray) -> np.ndarray:
-        """Return the mean of `values` (S,) over the samples within half of `SMOOTHED` strain on either side.
+        """Return the mean of `values` (S,) over the samples within half of `width` on either side.
 
         Where samples lie further apart than that, the value itself.
         """
-        near = np.abs(self.strain[:, None] - self.strain) <= 0.5 * SMOOTHED
+        near = np.abs(self.strain[:, None] - self.strain) <= 0.5 * self.width
         np.fill_diagonal(near, True)
         return np.array([values[n].mean() for n in near])
 

@@ -19,6 +19,7 @@ from postproc.averaging.coarse.spread import Spread
 from postproc.averaging.frame import POLAR, polar_turn, turn_tensors
 from postproc.averaging.words import WrongSetting
 from postproc.geometry import centre, positions
+from postproc.macro.contact_ends import WALL
 from postproc.snapshot import Snapshot
 
 if TYPE_CHECKING:
@@ -72,6 +73,11 @@ class Points(Cells):
         """The kernel, of this width and in this dimension."""
         width = _default_width(self.snapshot) if self.width is None else self.width
         return KERNELS[self.kernel](width=width, dimension=self.snapshot.dimension)
+
+    @property
+    def how(self) -> Mapping[str, str | float]:
+        """Kernel and width, m."""
+        return {"kernel": self.kernel, "width (m)": float(self.phi.width)}
 
     @cached_property
     def labels(self) -> tuple[str, ...]:
@@ -131,6 +137,18 @@ class Points(Cells):
     @cached_property
     def _slopes(self) -> list:
         return self._spread.slopes(positions(self.snapshot))
+
+    def interaction_force_density(self, ends: ContactEnds) -> np.ndarray:
+        """t = sum_c f^c phi(r - c) over contacts with walls, (K, dim), N/m^3 (2D per unit thickness: N/m^2), Cartesian.
+
+        f: force of the wall on the particle, c: contact point, where the particle's segment of the stress ends. It
+        carries the sign with which dj/dt + div(rho V V + sigma^k) = -div sigma + t + rho g holds at every point
+        (compression positive); what grains do to the wall is -t. It vanishes farther from walls than the kernel
+        reaches. Source: Weinhart, Thornton, Luding, Bokhove, Granular Matter 14, 289 (2012).
+        """
+        at_wall = np.flatnonzero(ends.partner == WALL)
+        x = positions(self.snapshot)[ends.particle[at_wall]] + ends.l[at_wall]
+        return self.density_at(x, ends.f[at_wall])
 
     def density_gradient(self, q: np.ndarray) -> np.ndarray:
         """Gradient of the density, sum_p grad phi(r - r^p) Q^p, analytic: (K, ..., dim), Cartesian, last index its.

@@ -7,7 +7,6 @@ divergences of the stress likewise in space. So no side of a balance uses what t
 import numpy as np
 import pytest
 
-from postproc.averaging.coarse.interaction import interaction_force_density
 from postproc.averaging.coarse.points import Points
 from postproc.geometry import positions, vector
 from postproc.macro.contact_ends import contact_ends
@@ -51,7 +50,7 @@ def test_integrals_over_all_space_are_totals(space, states):
     integral_is(momentum_density(points, v), volume, (m[:, None] * v).sum(axis=0))
     integral_is(stress(ends, points), volume, -np.einsum("ea,eb->ab", ends.l, ends.f))
     on_grains = vector(state.contacts, "f", state)[at_wall].sum(axis=0)
-    integral_is(interaction_force_density(ends, points), volume, on_grains)
+    integral_is(points.interaction_force_density(ends), volume, on_grains)
 
 
 @pytest.mark.parametrize(("kernel", "dim"), [key for key in SPACES if key != ("lucy", 3)])
@@ -158,7 +157,7 @@ def test_balance_of_momentum(moving, cg):
         "dj/dt": rate,
         "div flux": cg.divergence(flux, moving.at, STEP),
         "div sigma": cg.divergence(contacts, moving.at, STEP),
-        "-t": -interaction_force_density(moving.ends, points),
+        "-t": -points.interaction_force_density(moving.ends),
         "-rho g": -points.density(m)[:, None] * GRAVITY[points.snapshot.dimension],
     }
     sizes = {name: np.abs(term).max() for name, term in terms.items()}

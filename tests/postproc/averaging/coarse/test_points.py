@@ -9,7 +9,7 @@ from postproc.averaging.coarse.kernels.registry import KERNELS
 from postproc.averaging.coarse.points import Points
 from postproc.averaging.frame import polar_turn, turn_tensors, turn_vectors
 from postproc.averaging.registry import make_cells
-from postproc.fields import IN_CELLS
+from postproc.fields import AT_POINTS, IN_CELLS
 from postproc.geometry import positions, vector
 from postproc.macro.contact_ends import contact_ends
 from postproc.macro.fabric import contact_fabric, contact_number_density, fabric
@@ -99,7 +99,7 @@ def test_polar_components_are_turned_by_the_angle_of_the_point(states, dim):
     at = make_cells(words, state).points
     turn = polar_turn(at)
     np.testing.assert_array_equal(polar["r"], np.hypot(at[:, 0], at[:, 1]))
-    ranks = {f.name: f.rank for f in IN_CELLS}
+    ranks = {f.name: f.rank for f in (*IN_CELLS, *AT_POINTS)}
     compared = 0
     for name, result in cartesian.in_cells.items():
         if isinstance(result, Unavailable) or ranks[name] not in ("scalar", "principal", "vector", "tensor"):

@@ -1,0 +1,181 @@
+"""The page of a reproduced result: the talk beside ours, pictures, discussion, convergence; also as CSV and JSON."""
+
+from __future__ import annotations
+
+import shlex
+from collections import Counter
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from harness import __version__
+from harness.errors import InputError
+from harness.report.cost import COST_NOTE, cost_rows, host_rows, version_rows
+from harness.report.failures import entries
+from harness.report.matrix import matrices
+from harness.report.page import Entry, Figure, Section, render_page, words
+from harness.report.reproduce_figures import draw
+from harness.report.reproduce_tables import chart_csv, rate_rows, run_rows, study_rows, value_rows
+from harness.report.tables import Answer, csv_text
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from harness.studies.reproduce.protocol import Ask, Picture, Result, Study
+
+PAGE, DATA, ROWS, RATES = "report.html", "report.json", "rows.csv", "rates.csv"
+SCREEN, SMALL = 130, 90
+"""Pixels an inch on the page, and of pictures that are kept."""
+
+VALUE_NOTE = (
+    "Ours: mean over packings and its standard error. Known: seen in the talk, recalled from the papers (never decides "
+    "a verdict), or exact. A talk's number is that of one packing: it agrees when it lies in the prediction interval "
+    "of ours, or within the declared tolerance, error bar included. Deviations are results and are not tuned away."
+)
+RATE_NOTE = (
+    "The study's own convergence: the same quantity at several settings, the coarsest first. Number: what tends to 0 "
+    "in the limit. The error of a change is taken packing by packing where the same packings were used."
+)
+CHECK_NOTE = "The codes among each other, and properties that each run must have."
+
+
+def study_list(studies: Sequence[Study]) -> Answer:
+    """Return what there is, for `--list`."""
+    rows = study_rows(studies)
+    shown = [{k: r[k] for k in ("name", "size", "packings", "computes", "engines")} for r in rows]
+    return Answer(tables={"Studies": shown}, data={"studies": rows}, prose=True)
+
+
+def reproduce_answer(study: Study, ask: Ask, result: Result) -> Answer:
+    """Return the tables for people and everything for programs."""
+    rows = [
+        {k: r[k] for k in ("verdict", "quantity", "engine", "talk", "known", "ours", "error", "packings", "why")}
+        for r in value_rows(result.rows)
+    ]
+    tables = {f"{study.title}: {study.source}": rows, "Convergence": _shown_rates(result)}
+    return Answer(tables={k: v for k, v in tables.items() if v}, data=reproduce_data(study, ask, result))
+
+
+def reproduce_data(study: Study, ask: Ask, result: Result) -> dict:
+    """Return all tables with all digits."""
+    from msgspec import to_builtins
+
+    return {
+        "study": study.name, "title": study.title, "claim": study.claim, "source": study.source, "size": ask.size,
+        "computes": study.sizes[ask.size].says, "packings": study.packings(ask), "command": command(study, ask),
+        "grainproof": __version__, "exit_status": result.exit_status, "rows": value_rows(result.rows),
+        "rates": rate_rows(result.rates), "rate_words": result.rate_words, "words": list(result.words),
+        "unsupported": dict(result.unsupported), "checks": [asdict(c) for c in result.checks],
+        "tables": {name: list(rows) for name, rows in result.tables.items()}, "runs": run_rows(result.runs),
+        "versions": version_rows(result.runs), "hosts": host_rows(result.runs),
+        "outcomes": [to_builtins(r.outcome) for r in result.runs],
+    }
+
+
+def page_folder(study: Study, ask: Ask) -> Path:
+    """Return where page and tables of a study and size go; runs and packings of all studies stand beside."""
+    return ask.out / f"{study.name}_{ask.size}"
+
+
+def check_report_place(study: Study, ask: Ask) -> None:
+    """Raise InputError when the page's folder cannot be one, or a folder stands where a file goes: before any run."""
+    folder = page_folder(study, ask)
+    wrong = next((p for p in (folder / n for n in (PAGE, DATA, ROWS, RATES)) if p.is_dir()), None)
+    if wrong is not None or (folder.exists() and not folder.is_dir()):
+        raise InputError(
+            file=wrong or folder, expected="a file" if wrong else "a folder or nothing",
+            got="a folder" if wrong else "a file", fix="move it away or name another --out",
+        )
+
+
+def write_reproduce(study: Study, ask: Ask, result: Result) -> Path:
+    """Write report.html, report.json, CSV tables and a PNG a picture; return the page."""
+    from harness.report.figures import png_bytes, png_uri
+    from harness.runs.atomic import write_bytes_atomic, write_json_atomic, write_text_atomic
+
+    folder = page_folder(study, ask)
+    folder.mkdir(parents=True, exist_ok=True)
+    write_tables(folder, result)
+    shown = []
+    for picture in result.pictures:
+        figure = draw(picture)
+        write_bytes_atomic(folder / f"{picture.name}.png", png_bytes(figure, dpi=SCREEN))
+        shown.append(Figure(uri=png_uri(figure, dpi=SCREEN), caption=picture.caption, panel=_is_chart(picture)))
+    write_json_atomic(folder / DATA, reproduce_data(study, ask, result))
+    page = render_page(
+        title=study.title, lead=f"The talk: {study.claim} ({study.source}.) Here: {study.sizes[ask.size].says}. "
+        f"{summary(result)}.", sections=_sections(study, ask, result, tuple(shown)),
+    )
+    write_text_atomic(folder / PAGE, page)
+    return folder / PAGE
+
+
+def write_tables(folder: Path, result: Result) -> None:
+    """Write rows, convergence and the numbers of every chart as CSV."""
+    from harness.runs.atomic import write_text_atomic
+
+    write_text_atomic(folder / ROWS, csv_text(value_rows(result.rows)))
+    write_text_atomic(folder / RATES, csv_text(rate_rows(result.rates)))
+    for picture in result.pictures:
+        if _is_chart(picture):
+            write_text_atomic(folder / f"{picture.name}.csv", chart_csv(picture))
+
+
+def summary(result: Result) -> str:
+    """Return one line: how the rows and checks came out."""
+    rows, checks = (Counter(x.verdict for x in found) for found in (result.rows, result.checks))
+    parts = [f"against the talk: {_counts(rows)}"]
+    parts += [f"checks: {_counts(checks)}"] if checks else []
+    parts += [f"{len(result.broken)} runs failed"] if result.broken else []
+    parts += [f"without {', '.join(result.unsupported)}"] if result.unsupported else []
+    return "; ".join(parts)
+
+
+def command(study: Study, ask: Ask) -> str:
+    """Return the command that makes this result again, without the places of one machine."""
+    from harness.engines.registry import word_of
+
+    found = ["grainproof", "reproduce", study.name, "--size", ask.size]
+    found += ["--engines", ",".join(word_of(e).split("@")[0] for e in ask.engines)]
+    found += ["--packings", str(study.packings(ask))]
+    found += ["--measurements", ask.measurements.name] if ask.measurements else []
+    return shlex.join(found)
+
+
+def _counts(counts: Counter) -> str:
+    return ", ".join(f"{n} {words(verdict)}" for verdict, n in counts.items()) or "nothing"
+
+
+def _sections(study: Study, ask: Ask, result: Result, figures: tuple[Figure, ...]) -> list[Section]:
+    failed = (*entries(result.checks, result.runs), *_unsupported(result.unsupported))
+    found = [
+        Section(heading="The talk and ours", note=VALUE_NOTE, rows=value_rows(result.rows)),
+        Section(heading="Pictures", figures=figures),
+        Section(heading="What it says", note="\n\n".join(result.words)),
+        Section(heading="Convergence", note=f"{result.rate_words} {RATE_NOTE}", rows=_shown_rates(result)),
+        *(Section(heading=name, rows=list(rows)) for name, rows in result.tables.items()),
+        Section(heading="Checks", note=CHECK_NOTE, matrices=matrices(result.checks, (r.engine for r in result.runs))),
+        Section(heading="All checks", rows=[asdict(c) for c in result.checks]),
+        Section(heading="What failed, and what cannot be computed", entries=failed),
+        Section(heading="Time and cost", note=COST_NOTE, rows=cost_rows(result.runs)),
+        Section(heading="Versions", rows=version_rows(result.runs)),
+        Section(heading="Machines", rows=host_rows(result.runs)),
+        Section(heading="Runs", rows=run_rows(result.runs)),
+        Section(heading="Reproduce", text=command(study, ask)),
+    ]
+    return [s for s in found if any((s.note and s.rows is None, s.rows, s.matrices, s.entries, s.figures, s.text))
+            or (s.note and s.rows is not None and s.heading == "Convergence")]
+
+
+def _unsupported(found: Mapping[str, str]) -> tuple[Entry, ...]:
+    return tuple(Entry(word="unsupported", title=engine, why=why) for engine, why in found.items())
+
+
+def _shown_rates(result: Result) -> list[dict]:
+    return rate_rows(result.rates)
+
+
+def _is_chart(picture: Picture) -> bool:
+    from harness.studies.reproduce.protocol import Chart
+
+    return isinstance(picture, Chart)

@@ -1,0 +1,106 @@
+"""The contact laws whose largest steps are measured, in units of mass MASS, stiffness STIFFNESS and mean radius RADIUS.
+
+A damping ratio is that of a pair of MASS: zeta = gamma/(2 sqrt(k m*)), m* = MASS/2. Friction is so high that nothing
+slides while motions are small: the limit is that of the springs and dashpots.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from harness.scene.contact import (
+    Contact,
+    HertzNormal,
+    HystereticNormal,
+    LinearNormal,
+    MindlinSliding,
+    SpringRolling,
+    SpringSliding,
+    ViscousSliding,
+)
+
+RADIUS, MASS, STIFFNESS = 1e-3, 1e-5, 1e4
+"""m, kg, N/m: the unit of time sqrt(m/k) is 3.2e-5 s."""
+
+TIME = math.sqrt(MASS / STIFFNESS)
+
+GRIP = 10.0
+"""Coefficient of friction that nothing overcomes."""
+
+RATIO = 0.3
+"""Tangential over normal stiffness unless it is what is varied."""
+
+OVERLAP = 1e-3
+"""Mean overlap of the packings over the mean radius, for linear springs of STIFFNESS."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LawCase:
+    """A law by the name that tables use. linear: small motions obey constant springs and dashpots."""
+
+    name: str
+    contact: Contact
+    linear: bool = True
+
+
+def dashpot(ratio: float, stiffness: float = STIFFNESS) -> float:
+    """Return gamma, kg/s, of a damping ratio."""
+    return 2 * ratio * math.sqrt(stiffness * MASS / 2)
+
+
+def linear(*, damping: float = 0.0) -> LinearNormal:
+    """Linear spring, and a dashpot of this ratio."""
+    return LinearNormal(normal_stiffness=STIFFNESS, normal_damping=dashpot(damping), attraction="allowed")
+
+
+def spring(*, ratio: float = RATIO, damping: float = 0.0, friction: float = GRIP) -> SpringSliding:
+    """Tangential spring of `ratio` k_n, and a dashpot of this ratio."""
+    return SpringSliding(shear_friction=friction, shear_stiffness=ratio * STIFFNESS, shear_damping=dashpot(damping))
+
+
+def hertz(**more) -> HertzNormal:
+    """The modulus at which the slope of the force is STIFFNESS where linear springs overlap by OVERLAP RADIUS.
+
+    Slope 2 E* sqrt(R* d) of two of RADIUS, E* = E/(2 (1 - nu^2)).
+    """
+    nu = 0.3
+    modulus = STIFFNESS * (1 - nu**2) / math.sqrt(RADIUS / 2 * OVERLAP * RADIUS)
+    return HertzNormal(
+        youngs_modulus=modulus, poisson_ratio=nu, attraction="allowed", impact_speed=1e-3, **({"restitution": 1.0} | more)
+    )
+
+
+ELASTIC = LawCase(name="spring", contact=Contact(normal=linear()))
+DASHPOT = LawCase(name="spring, dashpot", contact=Contact(normal=linear(damping=0.3)))
+FRICTION = LawCase(name="friction spring", contact=Contact(normal=linear(), sliding=spring()))
+FULL = LawCase(
+    name="friction spring, dashpots", contact=Contact(normal=linear(damping=0.3), sliding=spring(damping=0.15))
+)
+
+VISCOUS = LawCase(
+    name="viscous friction, dashpot",
+    contact=Contact(
+        normal=linear(damping=0.3), sliding=ViscousSliding(shear_friction=GRIP, shear_damping=dashpot(0.15))
+    ),
+)
+ROLLING = LawCase(
+    name="rolling spring",
+    contact=Contact(
+        normal=linear(damping=0.1), sliding=spring(damping=0.1),
+        rolling=SpringRolling(rolling_friction=GRIP, rolling_stiffness=STIFFNESS, rolling_damping=0.0),
+    ),
+)
+HERTZ = LawCase(name="hertz", contact=Contact(normal=hertz()))
+MINDLIN = LawCase(
+    name="hertz, mindlin", contact=Contact(normal=hertz(restitution=0.7), sliding=MindlinSliding(shear_friction=GRIP))
+)
+HYSTERETIC = LawCase(
+    name="hysteretic", linear=False,
+    contact=Contact(normal=HystereticNormal(
+        loading_stiffness=STIFFNESS / 2, unloading_stiffness=STIFFNESS, adhesion_stiffness=0.0, normal_damping=0.0,
+    )),
+)
+
+QUICK = (ELASTIC, DASHPOT, FRICTION, FULL)
+WHOLE = (*QUICK, VISCOUS, ROLLING, HERTZ, MINDLIN, HYSTERETIC)

@@ -1,0 +1,125 @@
+"""Bisection for the largest stable step: from theory's guess outwards until it is enclosed, then halved."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from harness.scene.system import System
+from harness.studies.frontier.probe import Look, disturbed
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from harness.engines.protocol import Engine
+
+PRECISION = 0.01
+"""Width of the bracket at the end, over its middle."""
+
+FIRST = 0.03
+"""The first two looks are this far below and above the guess."""
+
+WIDEN = 1.6
+"""Factor of the following ones, while the limit is not enclosed."""
+
+LOWEST, HIGHEST = 0.02, 8.0
+"""Of the guess: nothing is looked for beyond."""
+
+
+@dataclass(kw_only=True)
+class Search:
+    """The search for one frontier; `next_step` asks for a look, `tell` answers. precision: see PRECISION."""
+
+    guess: float
+    precision: float = PRECISION
+    looks: list[Look] = field(default_factory=list)
+
+    @property
+    def stable(self) -> float | None:
+        """Largest step below all unstable ones that was seen to be stable, s."""
+        ends = [x.dt for x in self.looks if x.seen == "stable" and x.dt < (self.unstable or math.inf)]
+        return max(ends, default=None)
+
+    @property
+    def unstable(self) -> float | None:
+        """Smallest step that was seen to be unstable, s."""
+        return min((x.dt for x in self.looks if x.seen == "unstable"), default=None)
+
+    @property
+    def fault(self) -> str:
+        """Why the search was given up, "" if it was not."""
+        failed = next((x for x in self.looks if x.seen == "failed"), None)
+        if failed is not None:
+            return failed.reason
+        if self.stable is None and self.unstable is not None and self.unstable <= LOWEST * self.guess * 1.001:
+            return f"unstable at every step down to {LOWEST:g} of the guess"
+        if self.unstable is None and self.stable is not None and self.stable >= HIGHEST * self.guess / 1.001:
+            return f"stable at every step up to {HIGHEST:g} of the guess"
+        return ""
+
+    @property
+    def done(self) -> bool:
+        """Whether the limit is enclosed as closely as asked for, or never will be."""
+        if self.fault:
+            return True
+        enclosed = self.stable is not None and self.unstable is not None
+        return enclosed and self.unstable - self.stable <= self.precision * self.middle
+
+    @property
+    def middle(self) -> float:
+        """Of the bracket, s."""
+        return math.sqrt(self.stable * self.unstable)
+
+    def next_step(self) -> float:
+        """Return the step to look at next, s."""
+        if not self.looks:
+            return self.guess * (1 - FIRST)
+        if self.unstable is None:
+            return min(self._beyond(self.stable, up=True), HIGHEST * self.guess)
+        if self.stable is None:
+            return max(self._beyond(self.unstable, up=False), LOWEST * self.guess)
+        return self.middle
+
+    def _beyond(self, end: float, *, up: bool) -> float:
+        """The guess' other side first, then further and further."""
+        if up and end < self.guess:
+            return self.guess * (1 + FIRST)
+        return end * WIDEN if up else end / WIDEN
+
+    def tell(self, look: Look) -> None:
+        """Take what was seen."""
+        self.looks.append(look)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wanted:
+    """A frontier to be searched for: a system at rest, the engine, and where theory expects it, s."""
+
+    label: str
+    engine: Engine
+    rest: System
+    guess: float
+
+
+def search_all(
+    wanted: list[Wanted], root: Path, *, time_limit: float, workers: int | None = None, precision: float = PRECISION,
+    tell: Callable[[int, Search], None] = lambda *_: None,
+) -> list[Search]:
+    """Search for all frontiers side by side, a look of each at a time; runs are kept and reused below `root`.
+
+    tell: is told of every search, by its number, after each of its looks.
+    """
+    from harness.runs.pool import run_many
+    from harness.studies.frontier.probe import look
+
+    searches = [Search(guess=w.guess, precision=precision) for w in wanted]
+    while open_ones := [k for k, s in enumerate(searches) if not s.done]:
+        steps = {k: searches[k].next_step() for k in open_ones}
+        jobs = [(wanted[k].label, wanted[k].engine, disturbed(wanted[k].rest, steps[k])) for k in open_ones]
+        made = run_many(jobs, root, time_limit=time_limit, workers=workers, native="drop")
+        for k, done in zip(open_ones, made, strict=True):
+            searches[k].tell(look(done, steps[k]))
+            tell(k, searches[k])
+    return searches
