@@ -158,6 +158,18 @@ def summary(comparison: Comparison) -> str:
     )
 
 
+def own_cost(comparison: Comparison) -> str:
+    """Return a line: CPU time of this process, which prepares, reads, averages, judges and draws, beside the runs'.
+
+    What the runs needed counts whether they were made now or kept; "" when none tells.
+    """
+    import time
+
+    theirs = sum(r.outcome.cpu_seconds or 0.0 for r in comparison.all_runs)
+    ours = time.process_time()
+    return f"CPU time: runs {theirs:.3g} s, harness {ours:.3g} s ({100 * ours / theirs:.2g} %)\n" if theirs else ""
+
+
 def _junit(comparison: Comparison) -> str:
     name = comparison.scene_file.stem
     return junit_xml(name=name, summary=summary(comparison), checks=comparison.checks, runs=comparison.all_runs)

@@ -10,7 +10,7 @@ from harness.scene.contact import Contact, NormalLaw
 from harness.scene.fault import Fault
 from harness.scene.grains import Grains
 from harness.scene.laws import Springs, head_on, tangential_springs
-from harness.scene.model import Biaxial, Free, LoadedMotion, Scene, SideWall
+from harness.scene.model import Background, Biaxial, Free, LoadedMotion, Scene, SideWall
 
 MOST_STEPS = 2_000_000_000
 """Step counters of the engines are 32-bit integers."""
@@ -85,12 +85,17 @@ def stability_limit(scene: Scene, grains: Grains) -> StabilityLimit:
     Dense disc packings became unstable at 1.2 times this limit or later (measured with linear laws, LAMMPS
     and LIGGGHTS).
     """
-    square, rate = _particle_rates(scene.contact, grains)
-    if scene.background:
-        rate += scene.background.translational_drag * grains.inverse_mass
-    limits = [_limit("particles", square, rate)]
+    limits = [particle_limit(scene.contact, grains, scene.background)]
     limits += [_wall_limit(name, wall, scene.contact.normal, grains) for name, wall in loaded_walls(scene)]
     return min(limits, key=lambda limit: limit.dt)
+
+
+def particle_limit(contact: Contact, grains: Grains, background: Background | None = None) -> StabilityLimit:
+    """Return the part of `stability_limit` that the particles set."""
+    square, rate = _particle_rates(contact, grains)
+    if background:
+        rate += background.translational_drag * grains.inverse_mass
+    return _limit("particles", square, rate)
 
 
 def leapfrog_limit(square: float, rate: float) -> float:

@@ -28,7 +28,7 @@ def add(verbs) -> None:
 
 def _compare(options) -> int:
     from harness.engines.registry import USUAL, choose_engines
-    from harness.report.compare import check_report_places, compare_answer, summary, write_report
+    from harness.report.compare import check_report_places, compare_answer, own_cost, summary, write_report
     from harness.runs.progress import progress_for
     from harness.studies.compare import compare
 
@@ -43,7 +43,7 @@ def _compare(options) -> int:
     written = write_report(comparison, options.out)
     show(compare_answer(comparison), options)
     if options.json != "-":
-        print(f"{summary(comparison)}\nreport: {written.page}")
+        print(f"{summary(comparison)}\n{own_cost(comparison)}report: {written.page}")
     return comparison.exit_status
 
 

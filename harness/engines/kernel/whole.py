@@ -51,7 +51,11 @@ class WholeKernel:
 
 IN_PLACE = {
     "damping attraction": (("clipped", "normal damping: maximum"), "to clip is the word, and an operation: without it the dashpot may pull"),
-    "normal damping": ((), "the law's table names all its numbers: this one is 0, and no operation reads it"),
+    "normal damping": ((), "the law's table names all its numbers: its number says no damping, and no operation reads it"),
+    "wall friction": (
+        ("False", "rotation: fill"), "every wall says whether it rubs; in the arrays of torques rows of smooth contacts "
+        "are filled with 0"
+    ),
     "adhesion": ((), "the law's table names all its numbers: this one is 0, and no operation reads it"),
 }
 """What stands in the deck while an effect is off, by effect: words, and why they must."""

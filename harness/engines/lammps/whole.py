@@ -44,14 +44,16 @@ class WholeLammps:
 
 WHOLE = WholeLammps()
 
+NO_SPINS = ("integrate", "grains", "nve")
+NO_TANGENT = "pair granular insists on a tangential model; this one, with 0 0, has neither force nor history"
+PLAIN = "where nothing turns the integrator without spins takes the other's place"
+
 IN_PLACE = {
-    "sliding friction": (
-        ("linear_nohistory", "integrate", "nve"), "pair granular insists on a tangential model; this one, with 0 0, has "
-        "neither force nor history; the integrator without spins has another name"
-    ),
-    "normal damping": (
-        (), "pair granular insists on a damping model (none is refused): the coefficient is 0"
-    ),
+    "sliding friction": (("linear_nohistory", *NO_SPINS), f"{NO_TANGENT}; {PLAIN}"),
+    "wall friction": (("linear_nohistory",), NO_TANGENT),
+    "rolling resistance": (NO_SPINS, PLAIN),
+    "torsion resistance": (NO_SPINS, PLAIN),
+    "normal damping": ((), "pair granular insists on a damping model (none is refused): its number says no damping"),
     "damping attraction": (("limit_damping",), "to clip is the word: without it the dashpot may pull"),
 }
 """What stands in the deck while an effect is off, by effect: words, and why they must."""

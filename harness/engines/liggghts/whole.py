@@ -46,7 +46,8 @@ class WholeLiggghts:
 WHOLE = WholeLiggghts()
 
 IN_PLACE = {
-    "normal damping": ((), "hooke/stiffness insists on its dashpot's constant: it is 0"),
+    "normal damping": ((), "the model insists on its dashpot's constant: it says no damping"),
+    "adhesion": ((), "the model insists on its constant: it is 0"),
     "damping attraction": (("limitForce", "on"), "to clip is the word: without it the dashpot may pull"),
 }
 """What stands in the deck while an effect is off, by effect: words, and why they must."""

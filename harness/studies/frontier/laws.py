@@ -78,6 +78,10 @@ FULL = LawCase(
     name="friction spring, dashpots", contact=Contact(normal=linear(damping=0.3), sliding=spring(damping=0.15))
 )
 
+WEAK = LawCase(
+    name="friction spring, weak dashpots", contact=Contact(normal=linear(damping=0.02), sliding=spring(damping=0.02))
+)
+
 VISCOUS = LawCase(
     name="viscous friction, dashpot",
     contact=Contact(
@@ -102,5 +106,5 @@ HYSTERETIC = LawCase(
     )),
 )
 
-QUICK = (ELASTIC, DASHPOT, FRICTION, FULL)
+QUICK = (ELASTIC, DASHPOT, FRICTION, WEAK, FULL)
 WHOLE = (*QUICK, VISCOUS, ROLLING, HERTZ, MINDLIN, HYSTERETIC)

@@ -13,12 +13,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from harness.scene.contact import HertzNormal, HystereticNormal, LinearNormal
-from harness.scene.expect import Invariant, Twin
+from harness.scene.expect import Invariant
 from harness.scene.system import Loaded
-from harness.studies.stability.seen import Frame, NotKnown, Seen, nearest_image
-from reference.analytic.hysteretic_collision import ConstantUnloading
-from reference.analytic.linear_collision import LinearCollision
+from harness.studies.stability.parts import (
+    angular_parts,
+    behind_walls,
+    exact_restitution,
+    largest,
+    most,
+    parting_rate,
+    places_apart,
+    rates_apart,
+    sum_of_sizes,
+    through_rings,
+)
+from harness.studies.stability.seen import POTENTIALS, Frame, NotKnown, Seen, nearest_image
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,13 +59,13 @@ def contained(seen: Seen, _: Invariant) -> float:
     worst, count = 0, len(seen.system.particles)
     for frame in seen.frames:
         lost = count - len(frame.x)
-        worst = max(worst, lost + int((_behind_walls(frame) | _through_rings(seen, frame)).sum()))
+        worst = max(worst, lost + int((behind_walls(frame) | through_rings(seen, frame)).sum()))
     return float(worst)
 
 
 def overlap(seen: Seen, _: Invariant) -> float:
     """Return the largest overlap of any frame over the smaller radius: 1 is a centre inside the other body."""
-    return max((float((t.overlap / t.smaller).max()) for t in seen.touching if len(t.overlap)), default=0.0)
+    return most(float((t.overlap / t.smaller).max()) for t in seen.touching if len(t.overlap))
 
 
 # --- energy --------------------------------------------------------------------------------------------
@@ -65,7 +74,7 @@ def overlap(seen: Seen, _: Invariant) -> float:
 def energy(seen: Seen, _: Invariant) -> float:
     """Return the largest |H(t) - H(0)| over the largest E + U, H = E + U + V + k_t u^2/2: of conservative systems."""
     total = seen.kinetic + seen.elastic + seen.external + seen.sheared
-    return _largest(total - total[0], seen.kinetic + seen.elastic + seen.sheared)
+    return largest(total - total[0], seen.kinetic + seen.elastic + seen.sheared)
 
 
 def energy_drift(seen: Seen, _: Invariant) -> float:
@@ -88,17 +97,17 @@ def energy_not_created(seen: Seen, _: Invariant) -> float:
     U of laws with memory is left out (they give back at most k_1 d^2/2 of the start), as are tangential springs, which
     start empty: both only lower what is found, so that nothing is called created that was stored.
     """
-    stored = seen.elastic if seen.at_start is not None and _has_potential(seen) else np.zeros(len(seen.frames))
+    stored = seen.elastic if type(seen.system.normal) in POTENTIALS else np.zeros(len(seen.frames))
     start = seen.kinetic[0] + seen.at_start + seen.external[0]
     gained = seen.kinetic + stored + seen.external - start - seen.work()
     scale = np.concatenate([seen.kinetic + stored, [seen.kinetic[0] + seen.at_start]])
-    return _largest(np.maximum(gained, 0.0), scale)
+    return largest(np.maximum(gained, 0.0), scale)
 
 
 def energy_falls(seen: Seen, _: Invariant) -> float:
     """Return the largest rise of E + U + V above its least value so far, over its largest: of dashpots alone."""
     total = seen.kinetic + seen.elastic + seen.external + seen.sheared
-    return _largest(total - np.minimum.accumulate(total), seen.kinetic + seen.elastic + seen.sheared)
+    return largest(total - np.minimum.accumulate(total), seen.kinetic + seen.elastic + seen.sheared)
 
 
 def kinetic_kept(seen: Seen, _: Invariant) -> float:
@@ -116,7 +125,7 @@ def momentum(seen: Seen, _: Invariant) -> float:
     gravity = np.zeros(seen.system.dimension) if seen.system.gravity is None else np.array(seen.system.gravity)
     total = np.array([f.mass @ f.v - f.mass.sum() * gravity * f.time for f in seen.frames])
     size = [float(f.mass @ np.linalg.norm(f.v, axis=1)) for f in seen.frames]
-    return _largest(np.linalg.norm(total - total[0], axis=1), np.array(size))
+    return largest(np.linalg.norm(total - total[0], axis=1), np.array(size))
 
 
 def angular_momentum(seen: Seen, _: Invariant) -> float:
@@ -128,9 +137,9 @@ def angular_momentum(seen: Seen, _: Invariant) -> float:
     if system.walls or system.background or system.gravity or system.periodic:
         raise NotKnown("walls, weight, drag or periodic axes take angular momentum")
     centre = seen.frames[0].mass @ seen.frames[0].x / seen.frames[0].mass.sum()
-    found = [_angular(f, centre) for f in seen.frames]
+    found = [angular_parts(f, centre) for f in seen.frames]
     total = np.array([parts.sum(axis=0) for parts in found])
-    return _largest(np.linalg.norm(total - total[0], axis=1), np.array([_sum_of_sizes(p) for p in found]))
+    return largest(np.linalg.norm(total - total[0], axis=1), np.array([sum_of_sizes(p) for p in found]))
 
 
 # --- statics -----------------------------------------------------------------------------------------------
@@ -184,7 +193,7 @@ def wall_load(seen: Seen, _: Invariant) -> float:
         sizes.append(abs(force.mean() + wall.motion.load) / abs(wall.motion.load))
     if not sizes:
         raise NotKnown("no wall carries a load")
-    return float(max(sizes))
+    return most(sizes)
 
 
 def isostatic(seen: Seen, _: Invariant) -> float:
@@ -224,7 +233,7 @@ def free_flight(seen: Seen, _: Invariant) -> float:
         way = first.v * frame.time + gravity * frame.time**2 / 2
         found.append(float(np.abs(nearest_image(frame.x - first.x - way, seen.system.periodic)).max()))
         ways.append(float(np.abs(way).max()))
-    return _largest(np.array(found), np.array(ways))
+    return largest(np.array(found), np.array(ways))
 
 
 def end_velocities(seen: Seen, promise: Invariant) -> float:
@@ -240,14 +249,14 @@ def restitution(seen: Seen, _: Invariant) -> float:
     exp(-b t_contact) (Schwager & Poeschel, Granular Matter 9, 465 (2007)); of Hertz' law the e of the scene; of the
     hysteretic one its closed form (`reference.analytic`).
     """
-    before, after = (_approach(seen, frame) for frame in (seen.frames[0], seen.frames[-1]))
-    return abs(-after / before - _exact_restitution(seen, abs(before)))
+    before, after = (parting_rate(seen, frame) for frame in (seen.frames[0], seen.frames[-1]))
+    return abs(-after / before - exact_restitution(seen))
 
 
 def order(seen: Seen, _: Invariant) -> float:
     """Return how many neighbours along x ever changed places: bodies on a line cannot pass through one another."""
     first = np.argsort(seen.frames[0].x[:, 0])
-    return float(max(int((np.diff(f.x[first, 0]) <= 0).sum()) for f in seen.frames))
+    return most(float((~(np.diff(f.x[first, 0]) > 0)).sum()) for f in seen.frames)
 
 
 def rigid(seen: Seen, _: Invariant) -> float:
@@ -258,7 +267,7 @@ def rigid(seen: Seen, _: Invariant) -> float:
         return np.linalg.norm(nearest_image(frame.x[j] - frame.x[i], seen.system.periodic), axis=1)
 
     start = distances(seen.frames[0])
-    return max(float((np.abs(distances(f) - start) / start).max()) for f in seen.frames)
+    return most(float((np.abs(distances(f) - start) / start).max()) for f in seen.frames)
 
 
 def turns(seen: Seen, promise: Invariant) -> float:
@@ -288,7 +297,7 @@ def no_ratchet(seen: Seen, _: Invariant) -> float:
 
 def on_diagonal(seen: Seen, _: Invariant) -> float:
     """Return the largest difference of components of the first body over its radius: a corner is alike both ways."""
-    return max(float(np.ptp(f.x[0] - seen.frames[0].x[0]) / f.radius[0]) for f in seen.frames)
+    return most(float(np.ptp(f.x[0] - seen.frames[0].x[0]) / f.radius[0]) for f in seen.frames)
 
 
 def twin(seen: Seen, promise: Invariant, other: Seen) -> float:
@@ -297,13 +306,14 @@ def twin(seen: Seen, promise: Invariant, other: Seen) -> float:
     |x - s x' - shift| in largest radii, |v - v' s/t| and |omega - omega'/t| a in largest speeds of all frames: mechanics
     has no unit of its own, so another unit may change nothing but rounding.
     """
-    wanted, scale = promise.twin, promise.twin.length_scale / promise.twin.time_scale
     if len(seen.frames) != len(other.frames):
         raise NotKnown("the twin has other frames")
-    speed = max(float(np.abs(f.v).max()) for f in seen.frames)
-    speed = max(speed, max(float(np.abs(f.spin * f.radius[:, None]).max()) for f in seen.frames))
+    wanted, periodic = promise.twin, seen.system.periodic
+    speed = most(float(np.abs(f.v).max()) for f in seen.frames)
+    speed = most([speed, *(float(np.abs(f.spin * f.radius[:, None]).max()) for f in seen.frames)])
     pairs = list(zip(seen.frames, other.frames, strict=True))
-    return max(max(_parted(a, b, wanted, seen), _slower(a, b, scale, wanted, speed)) for a, b in pairs)
+    apart = [places_apart(mine, theirs, wanted, periodic) for mine, theirs in pairs]
+    return most([*apart, *(rates_apart(mine, theirs, wanted, speed) for mine, theirs in pairs)])
 
 
 KINDS: dict[str, Kind] = {
@@ -333,98 +343,3 @@ KINDS: dict[str, Kind] = {
     "twin": Kind(measure=twin, says="deviation from the scaled twin", ruin=0.1, twins=True),
 }
 """All invariants by the names that hard cases use; a new one is a function and a row."""
-
-
-# --- parts ---------------------------------------------------------------------------------------------------
-
-
-def _largest(values: np.ndarray, scale: np.ndarray) -> float:
-    """Return max |values| over max |scale|; NaN where there is no scale and something to measure."""
-    size, unit = float(np.abs(values).max()), float(np.abs(scale).max())
-    if unit > 0 or np.isnan(unit):
-        return size / unit
-    return 0.0 if size == 0 else float("nan")
-
-
-def _has_potential(seen: Seen) -> bool:
-    try:
-        return seen.elastic is not None
-    except NotKnown:
-        return False
-
-
-def _behind_walls(frame: Frame) -> np.ndarray:
-    lost = np.zeros(len(frame.x), bool)
-    walls, axes = frame.snapshot.walls, frame.snapshot.axes
-    if walls is None or "nx" not in walls:
-        return lost
-    for point, normal in zip(*(walls.vector(*(f"{q}{a}" for a in axes)) for q in "pn"), strict=True):
-        if np.isfinite(normal).all():
-            lost |= (frame.x - point) @ normal <= 0
-    return lost
-
-
-def _through_rings(seen: Seen, frame: Frame) -> np.ndarray:
-    lost = np.zeros(len(frame.x), bool)
-    for ring in seen.system.rings if len(frame.x) == len(seen.frames[0].x) else ():
-        inside = [np.linalg.norm(f.x - ring.centre, axis=1) < ring.circle for f in (seen.frames[0], frame)]
-        lost |= inside[0] != inside[1]
-    return lost
-
-
-def _angular(frame: Frame, centre: np.ndarray) -> np.ndarray:
-    """Return m (x - c) x v and I omega of every particle, (2 N, 1 or 3)."""
-    arm = frame.x - centre
-    if arm.shape[1] == 2:
-        orbital = (frame.mass * (arm[:, 0] * frame.v[:, 1] - arm[:, 1] * frame.v[:, 0]))[:, None]
-    else:
-        orbital = frame.mass[:, None] * np.cross(arm, frame.v)
-    return np.concatenate([orbital, frame.inertia[:, None] * frame.spin])
-
-
-def _sum_of_sizes(parts: np.ndarray) -> float:
-    return float(np.linalg.norm(parts, axis=1).sum())
-
-
-def _approach(seen: Seen, frame: Frame) -> float:
-    """Rate at which the two part, m/s; negative while they approach."""
-    first, walls = seen.frames[0], seen.system.walls
-    if len(first.x) == 2 and not walls:
-        line = first.x[1] - first.x[0]
-        return float((frame.v[1] - frame.v[0]) @ line / np.linalg.norm(line))
-    if len(first.x) == 1 and len(walls) == 1:
-        return float(frame.v[0] @ np.array(walls[0].normal))
-    raise NotKnown("neither two bodies alone nor one before one plane")
-
-
-def _exact_restitution(seen: Seen, speed: float) -> float:
-    law, mass = seen.system.normal, seen.frames[0].mass
-    reduced = float(mass[0] if len(mass) == 1 else mass[0] * mass[1] / (mass[0] + mass[1]))
-    if isinstance(law, LinearNormal):
-        pair = LinearCollision(stiffness=law.normal_stiffness, damping=law.normal_damping, reduced_mass=reduced)
-        return pair.restitution(law.attraction)
-    if isinstance(law, HertzNormal):
-        return law.restitution
-    if isinstance(law, HystereticNormal) and not law.normal_damping:
-        return _plastic(law, reduced, speed)
-    raise NotKnown("no closed form of the restitution of this law")
-
-
-def _plastic(law: HystereticNormal, reduced: float, speed: float) -> float:
-    pair = ConstantUnloading(
-        loading=law.loading_stiffness, unloading=law.unloading_stiffness, adhesion=law.adhesion_stiffness,
-        reduced_mass=reduced,
-    )
-    return pair.restitution(speed)
-
-
-def _parted(mine: Frame, theirs: Frame, twin: Twin, seen: Seen) -> float:
-    shift = np.zeros(mine.x.shape[1]) if twin.shift is None else np.array(twin.shift)
-    apart = nearest_image(mine.x - (theirs.x * twin.length_scale + shift), seen.system.periodic)
-    return float(np.abs(apart).max() / mine.radius.max())
-
-
-def _slower(mine: Frame, theirs: Frame, scale: float, twin: Twin, speed: float) -> float:
-    linear = np.abs(mine.v - scale * theirs.v).max()
-    angular = (np.abs(mine.spin - theirs.spin / twin.time_scale) * mine.radius[:, None]).max()
-    return float(max(linear, angular) / speed) if speed > 0 else float(max(linear, angular) > 0)

@@ -45,6 +45,13 @@ class Sample:
     closed: np.ndarray
     residual: float
 
+    @classmethod
+    def regular(cls, column: Column, radius: np.ndarray) -> Sample:
+        """Return the regular packing with all its contacts closed, which rests by symmetry."""
+        first, second = lattice_bonds(column)
+        return cls(column=column, places=column.places(), radius=radius, first=first, second=second,
+                   closed=np.ones(len(first), dtype=bool), residual=0.0)
+
     @property
     def contacts_per_sphere(self) -> float:
         """12 in the regular packing."""

@@ -1,0 +1,268 @@
+"""The study: every engine on every law and packing, and along the axes of the map; bisection, side by side."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from harness.engines.registry import ENGINES, KERNEL_PREFIX, choose_engines
+from harness.runs.folder import runs_root
+from harness.runs.outcome import Host, host_facts
+from harness.scene.laws import turning
+from harness.scene.system import System
+from harness.studies.frontier import laws, packings
+from harness.studies.frontier.formula import formula_limit
+from harness.studies.frontier.laws import LawCase
+from harness.studies.frontier.map import AXES
+from harness.studies.frontier.packings import Packed, PackingCase, resting_system
+from harness.studies.frontier.search import Search, Wanted, search_all
+from harness.studies.frontier.theory import NoTheory, exact_limit, touching
+
+if TYPE_CHECKING:
+    from harness.engines.protocol import Engine
+    from harness.runs.progress import Progress
+
+USUAL = ("lammps", "liggghts", "kernel:lammps", "kernel:talk")
+"""The codes, the kernel as they do it, and as the talks do: its friction springs are felt one step late."""
+
+TIME_LIMIT = 120.0
+"""Seconds of one run of some thousand steps of a hundred particles."""
+
+TOLERANCE = 0.05
+"""Measured and exact limits may differ by so much of the exact one where motions are linear."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Frontier:
+    """One engine, law and packing. Steps are in s; `unit`: sqrt(m/k) of the lightest particle and the largest slope.
+
+    exact: of theory, None where nothing was derived (`note` says why). formula: what scenes are refused beyond.
+    stable, unstable: the bracket; None where there is none, and `fault` says why. axis, value: of the map, else "".
+    """
+
+    engine: str
+    law: str
+    packing: str
+    system: System
+    particles: int
+    contacts: int
+    unit: float
+    formula: float
+    linear: bool
+    exact: float | None
+    note: str
+    stable: float | None
+    unstable: float | None
+    looks: int
+    fault: str
+    axis: str = ""
+    value: float | None = None
+
+    @property
+    def measured(self) -> float | None:
+        """Middle of the bracket, s; 0 where theory says that no step is stable and none was found."""
+        if self.stable is not None and self.unstable is not None:
+            return math.sqrt(self.stable * self.unstable)
+        return 0.0 if self.never else None
+
+    @property
+    def never(self) -> bool:
+        """Whether every step that was tried is unstable."""
+        return self.stable is None and self.unstable is not None
+
+    @property
+    def deviation(self) -> float | None:
+        """Measured over exact limit, less 1; None where one of them is missing; 0 if both say: no step is stable."""
+        if self.exact is None or self.measured is None or not self.linear:
+            return None
+        if self.exact == 0.0:
+            return 0.0 if self.never else math.inf
+        return self.measured / self.exact - 1
+
+    @property
+    def verdict(self) -> str:
+        """Word of the comparison with theory."""
+        if self.deviation is None:
+            return "not_checked"
+        return "agrees" if abs(self.deviation) <= TOLERANCE else "differs"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Frontiers:
+    """Everything a report needs. skipped: what an engine does not compute, by engine, law and packing, and why.
+
+    versions: by engine. wall_seconds: of the study this time, kept runs included.
+    """
+
+    size: str
+    found: tuple[Frontier, ...]
+    skipped: tuple[tuple[str, str, str, str], ...]
+    versions: dict[str, str]
+    host: Host
+    wall_seconds: float
+
+    @property
+    def base(self) -> list[Frontier]:
+        """Those of laws and packings as they are."""
+        return [f for f in self.found if not f.axis]
+
+    @property
+    def exit_status(self) -> int:
+        """1 when a frontier differs from theory, one was not found, or nothing was compared."""
+        verdicts = [f.verdict for f in self.found]
+        missing = any(f.measured is None for f in self.found)
+        return 1 if missing or "differs" in verdicts or "agrees" not in verdicts else 0
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Case:
+    law: LawCase
+    packing: PackingCase
+    axis: str = ""
+    value: float | None = None
+
+    @property
+    def label(self) -> str:
+        at = f", {self.axis} = {self.value:g}" if self.axis else ""
+        return f"{self.law.name}, {self.packing.name}{at}"
+
+
+def frontiers(
+    out: Path, *, full: bool = False, engines: Sequence[str] | None = None, time_limit: float = TIME_LIMIT,
+    workers: int | None = None, progress: Callable[[], Progress] | None = None,
+) -> Frontiers:
+    """Measure all frontiers of a size; packings and runs are kept and reused below `out`.
+
+    Raises InputError for engines that do not exist, before anything is written.
+    """
+    begun = time.monotonic()
+    chosen = choose_engines(list(engines)) if engines else tuple(ENGINES[name] for name in USUAL)
+    plan, skipped = _planned(_cases(full=full), chosen, out / "packings")
+    wanted = [Wanted(label=label, engine=e, rest=rest, guess=_guess(rest, e.name)) for label, e, rest, _ in plan]
+    searches = _shown(wanted, runs_root(out), time_limit, workers, progress)
+    found = tuple(
+        _frontier(case, engine, rest, search) for (_, engine, rest, case), search in zip(plan, searches, strict=True)
+    )
+    return Frontiers(
+        size="full" if full else "quick", found=found, skipped=tuple(skipped), host=host_facts(),
+        versions={e.name: e.probe().version for e in chosen}, wall_seconds=time.monotonic() - begun,
+    )
+
+
+def measured_frontier(
+    engine: Engine, rest: System, root: Path, *, law: str = "", packing: str = "", time_limit: float = TIME_LIMIT
+) -> Frontier:
+    """Return the frontier of one system at rest, of any law: for other studies. Runs are kept below `root`."""
+    wanted = Wanted(label=f"{packing} {law}".strip() or rest.scene_name, engine=engine, rest=rest,
+                    guess=_guess(rest, engine.name))
+    (search,) = search_all([wanted], root, time_limit=time_limit)
+    case = _Case(
+        law=LawCase(name=law, contact=None), packing=PackingCase(name=packing, dimension=rest.dimension, make=None)
+    )
+    return _frontier(case, engine, rest, search)
+
+
+def _cases(*, full: bool) -> list[_Case]:
+    """Laws times packings, then the map; a rolling spring or a Hertz contact adds nothing new to a lattice twice."""
+    cases = [
+        _Case(law=law, packing=packing)
+        for packing in (packings.WHOLE if full else packings.QUICK) for law in (laws.WHOLE if full else laws.QUICK)
+    ]
+    for axis in AXES:
+        cases += [
+            _Case(law=axis.law(v), packing=axis.packing(v), axis=axis.name, value=v) for v in axis.values(full=full)
+        ]
+    return cases
+
+
+def _planned(cases: list[_Case], engines: Sequence[Engine], cache: Path):
+    """Return label, engine, system and case of every search, and what is left out and why."""
+    from harness.engines.protocol import REFUSED
+
+    made: dict[tuple, Packed] = {}
+    plan, skipped = [], []
+    for case in cases:
+        key = (case.packing.name, case.value if case.packing.make is not packings.RANDOM.make else None)
+        packed = made.setdefault(key, None) or made.__setitem__(key, case.packing.make(cache)) or made[key]
+        rest = resting_system(case.packing, packed, case.law)
+        for engine in _distinct(engines, rest):
+            probe = engine.probe()
+            refused = [] if not probe.available else [s for s in engine.supports(rest) if s.level in REFUSED]
+            reason = probe.detail if not probe.available else "; ".join(f"{s.effect}: {s.note}" for s in refused)
+            if reason:
+                skipped.append((engine.name, case.law.name, case.packing.name, reason))
+            else:
+                plan.append((f"{engine.name}: {case.label}", engine, rest, case))
+    return plan, list(dict.fromkeys(skipped))
+
+
+def _distinct(engines: Sequence[Engine], system: System) -> tuple[Engine, ...]:
+    """Without tangential laws all conventions of the kernel's leapfrog are one: `kernel:talk` stands for them."""
+    if turning(system):
+        return tuple(engines)
+    leapfrogs = [e for e in engines if e.name.startswith(KERNEL_PREFIX) and e.name != "kernel:corrected"]
+    single = (ENGINES["kernel:talk"] if e in leapfrogs else e for e in engines)
+    return tuple(dict.fromkeys(single))
+
+
+def _guess(rest: System, engine: str) -> float:
+    """Where the search begins, s: theory, else theory of the codes, else the formula of scenes."""
+    for name in (engine, "lammps"):
+        try:
+            limit = exact_limit(rest, name)
+        except NoTheory:
+            continue
+        if limit > 0:
+            return limit
+    return formula_limit(rest)
+
+
+def _shown(wanted, root: Path, time_limit: float, workers: int | None, progress) -> list[Search]:
+    """Search, telling a display how far each search is; a search takes about six looks."""
+    from harness.runs.progress import Silent
+
+    shown = progress() if progress else Silent()
+    shown.begin([w.label for w in wanted], [1.0] * len(wanted))
+
+    def tell(number: int, search: Search) -> None:
+        if search.done:
+            shown.done(number, f"{wanted[number].label}: {_words(search)}")
+        else:
+            shown.running(number, min(0.9, len(search.looks) / 6))
+
+    try:
+        return search_all(wanted, root, time_limit=time_limit, workers=workers, tell=tell)
+    finally:
+        shown.end()
+
+
+def _words(search: Search) -> str:
+    return search.fault or f"stable at {search.stable:.4g} s, not at {search.unstable:.4g} s"
+
+
+def _frontier(case: _Case, engine: Engine, rest: System, search: Search) -> Frontier:
+    exact, note = None, ""
+    try:
+        exact = exact_limit(rest, engine.name)
+    except NoTheory as reason:
+        note = str(reason)
+    return Frontier(
+        engine=engine.name, law=case.law.name, packing=case.packing.name, system=rest,
+        particles=len(rest.particles), contacts=len(touching(rest)[1]), unit=unit_of_time(rest),
+        formula=formula_limit(rest), linear=case.law.linear, exact=exact, note=note, stable=search.stable,
+        unstable=search.unstable, looks=len(search.looks), fault=search.fault, axis=case.axis, value=case.value,
+    )
+
+
+def unit_of_time(rest: System) -> float:
+    """sqrt(m/k), s: of the lightest particle and the largest slope of a normal force among the contacts."""
+    from harness.studies.frontier.theory import linear_packing
+
+    slope = np.max(linear_packing(rest).springs.normal)
+    return math.sqrt(float(rest.particles.mass.min()) / float(slope))
