@@ -63,3 +63,9 @@ def quiet(system: System) -> System:
 def in_place(engine: str) -> Mapping[str, tuple[tuple[str, ...], str]]:
     """Return what an engine's deck keeps while an effect is off, by effect: words, and why they must."""
     return IN_PLACE.get(code_of(engine).partition(":")[0], {})
+
+
+def at_zero(engine: str, effect: str) -> str:
+    """Return why an effect with its coefficient at zero is not the effect switched off on an engine, "" if it is."""
+    family, _, convention = code_of(engine).partition(":")
+    return kernel.AT_ZERO.get((effect, convention), "") if family == "kernel" else ""

@@ -388,8 +388,9 @@ class Plane(Table):
 class Free(Table, tag="free", tag_field="kind"):
     """Explicit particles, planes, gravity: collisions, single bodies, chains and lattices.
 
-    `bodies` stand inline, in a CSV file (`bodies_file`: x,y[,z],radius,mass and optionally
-    vx,vy[,vz], wz in 2D or wx,wy,wz in 3D, inertia) or on a lattice (`bodies_from`). `periodic` gives the box length of each axis, 0 for open ones.
+    `bodies` stand inline, in a CSV file (`bodies_file`: x,y[,z],radius,mass and optionally vx,vy[,vz], wz in 2D or
+    wx,wy,wz in 3D, inertia) or on a lattice (`bodies_from`). `periodic` gives the box length of each axis, 0 for
+    open ones.
     """
 
     title: Title

@@ -17,12 +17,13 @@ friction. Here, for a step from n to n + 1:
    With clipped attraction a force ends continuously: only beginnings are corrected.
 
 Second order holds where forces are smooth between those events: no attraction by a dashpot (it ends in a jump of the
-Coulomb limit through zero: first order remains), no adhesion. `NormalLaw.onset` of a law tells p and q, or that the
-scheme corrects nothing for it; `Law.first_order` says where and why order two is not reached. Such laws run in the
-scheme all the same; rolling, torsion, plastic and DMT contacts by this evaluation only. Momentum and angular momentum
-are kept to round-off. The corrections are not symplectic: an undamped gas of discs at dt = t_c/50 changed its energy by
-3e-8 a step (6e-4 in 2e4 steps, measured); where energy must not drift over many collisions without damping, take the
-leapfrog.
+Coulomb limit through zero: first order remains), no adhesion. A contact that slides from its first touch, its
+tangential dashpot above the limit of a force that begins at zero, has no smooth beginning either: first order.
+`NormalLaw.onset` of a law tells p and q, or that the scheme corrects nothing for it; `Law.first_order` says where and
+why order two is not reached. Such laws run in the scheme all the same; rolling, torsion, plastic and DMT contacts by
+this evaluation only. Momentum and angular momentum are kept to round-off. The corrections are not symplectic: an
+undamped gas of discs at dt = t_c/50 changed its energy by 3e-8 a step (6e-4 in 2e4 steps, measured); where energy
+must not drift over many collisions without damping, take the leapfrog.
 """
 
 from __future__ import annotations

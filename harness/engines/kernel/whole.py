@@ -59,3 +59,10 @@ IN_PLACE = {
     "adhesion": ((), "the law's table names all its numbers: this one is 0, and no operation reads it"),
 }
 """What stands in the deck while an effect is off, by effect: words, and why they must."""
+
+LATE = (
+    "with a dynamic coefficient a sliding contact is tested with the spring as the coming step would stretch it, without "
+    "one with the spring as it is: a difference of order dt, documented in reference.kernel.laws.slider"
+)
+AT_ZERO = {("dynamic friction", convention): LATE for convention in ("talk", "corrected")}
+"""Where a coefficient at zero is not the effect switched off, by effect and convention, and why."""

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from harness.engines.protocol import Engine
+from harness.engines.whole import at_zero
 from harness.runs.folder import runs_root
 from harness.runs.pool import Done, run_many
 from harness.scene.system import System
@@ -143,6 +144,9 @@ def _check(pair: OnOff, engine: str, runs: Mapping, refused: Mapping[tuple[str, 
     how = "" if pair.exact else "; 0 is how the scene says off, so next to nothing is compared with nothing"
     if apart <= ROUND_OFF:
         return ZeroCheck(**facts, verdict="agrees", why=f"one to round-off{how}")
+    known = at_zero(engine, pair.effect)
+    if known:
+        return ZeroCheck(**facts, verdict="known_difference", why=known)
     return ZeroCheck(**facts, verdict="differs", why=f"they part by more than {ROUND_OFF:g}{how}")
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
-from importlib import resources
 from pathlib import Path
 
 import msgspec
@@ -51,7 +50,7 @@ ALWAYS = (
 
 def shipped_folder() -> Path:
     """Return the folder of the shipped hard cases."""
-    return Path(str(resources.files("harness"))).parent / "inputs" / "hard_cases"
+    return Path(__file__).resolve().parents[3] / "inputs" / "hard_cases"
 
 
 def all_cases(folder: Path | None = None) -> tuple[Case, ...]:

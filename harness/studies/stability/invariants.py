@@ -303,8 +303,8 @@ def on_diagonal(seen: Seen, _: Invariant) -> float:
 def twin(seen: Seen, promise: Invariant, other: Seen) -> float:
     """Return the largest deviation from the twin's run, its lengths and times scaled.
 
-    |x - s x' - shift| in largest radii, |v - v' s/t| and |omega - omega'/t| a in largest speeds of all frames: mechanics
-    has no unit of its own, so another unit may change nothing but rounding.
+    |x - s x' - shift| in largest radii, |v - v' s/t| and |omega - omega'/t| a in largest speeds of all frames:
+    mechanics has no unit of its own, so another unit may change nothing but rounding.
     """
     if len(seen.frames) != len(other.frames):
         raise NotKnown("the twin has other frames")

@@ -62,7 +62,8 @@ class Frame:
     @property
     def kinetic(self) -> float:
         """Translational and rotational energy, sum m v^2/2 + I omega^2/2, J."""
-        return float((self.mass * (self.v**2).sum(axis=1)).sum() + (self.inertia * (self.spin**2).sum(axis=1)).sum()) / 2
+        moving, turning = self.mass @ (self.v**2), self.inertia @ (self.spin**2)
+        return float(moving.sum() + turning.sum()) / 2
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

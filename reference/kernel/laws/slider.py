@@ -17,12 +17,14 @@ in their order, in what the limit is tested on, and in what sliding leaves behin
             (S. Luding, Granular Matter 10, 235 (2008), section 2.3). The force is a step late: a swing of
             frequency W in the spring grows by exp(W^2 dt t/2) unless gamma damps it
 
-With a dynamic coefficient mu_d < mu, `lammps` and `talk` remember whether a contact slides: it sticks again
-only when its test force is below mu_d f (states static -> dynamic -> static). `liggghts` has no such state.
-In the `talk` the spring that sliding leaves behind carries just mu_d f, so that the words "below mu_d f" would
-leave it to round-off whether a steady slide goes on; here the test force of a sliding contact is that of the
-spring as the coming step would stretch it. Without a dynamic coefficient nothing hangs on it and nothing is changed.
-A contact whose limit is 0 slides whatever its test force, which is then 0 up to round-off: nothing holds it.
+With a dynamic coefficient mu_d < mu, `lammps` and `talk` remember whether a contact slides: it sticks again only when
+its test force is below mu_d f (states static -> dynamic -> static). `liggghts` has no such state. In the `talk` the
+spring that sliding leaves behind carries just mu_d f, so that the words "below mu_d f" would leave it to round-off
+whether a steady slide goes on; here the test force of a sliding contact is that of the spring as the coming step
+would stretch it. Without a dynamic coefficient the published words stand; there, without a dashpot and at exactly
+constant f, round-off alone tells a spring at its limit from one beyond it, and a contact may slide on for as long as
+f stays the same although its motion has reversed. A contact whose limit is 0 slides whatever its test force, which is
+then 0 up to round-off: nothing holds it.
 """
 
 from __future__ import annotations
