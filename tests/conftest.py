@@ -292,6 +292,9 @@ class Obedient:
     def steps_done(self, folder: Path) -> int:
         return 0
 
+    def resumes(self, folder: Path) -> bool:
+        return False
+
     def read(self, folder: Path, system: System) -> Trajectory:
         steps = tuple(range(0, system.steps + 1, system.frame_every))
         return Trajectory(frames=tuple(self._frame(system, n * system.dt) for n in steps), steps=steps, series=None)

@@ -63,6 +63,8 @@ class RunResult:
     status: "completed" only when the engine's own finished marker was found.
     reason: one line, empty when completed. last_lines: the engine's own last words.
     cpu_seconds: user + system time of the child; timings: seconds by phase, at least "run".
+    resumed_at: step from which a killed run went on, None for a run in one piece; cpu_seconds are then those of all
+    its parts up to checkpoints, wall_seconds those of the last part.
     """
 
     status: Literal["completed", "unstable", "crashed", "timed_out"]
@@ -71,6 +73,7 @@ class RunResult:
     cpu_seconds: float
     wall_seconds: float
     timings: dict[str, float] = field(default_factory=dict)
+    resumed_at: int | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,6 +128,9 @@ class Engine(Protocol):
 
     def steps_done(self, folder: Path) -> int:
         """Return the last step the running engine has reported, 0 if none: for progress bars."""
+
+    def resumes(self, folder: Path) -> bool:
+        """Say whether `run` goes on, to the same last bit, with what a killed run left in `folder`; else it begins."""
 
     def read(self, folder: Path, system: System) -> Trajectory:
         """Turn the engine's own output into a trajectory; raises ReadError on damaged files."""

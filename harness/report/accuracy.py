@@ -2,24 +2,27 @@
 
 from __future__ import annotations
 
-import base64
-import io
 import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from harness.errors import InputError
 from harness.report.accuracy_figure import CAPTION, accuracy_figure
+from harness.report.accuracy_files import DATA, PAGE, PICTURES, Written, write_files
+from harness.report.accuracy_files import check_places as check_files
 from harness.report.accuracy_tables import tables
 from harness.report.accuracy_words import paragraph
-from harness.report.page import Figure, Section, render_page
-from harness.report.tables import Answer, csv_text
+from harness.report.page import Figure, Section
+from harness.report.tables import Answer
 
 if TYPE_CHECKING:
     from harness.studies.accuracy.study import Accuracy
 
+__all__ = [
+    "DATA", "PAGE", "PICTURES", "TABLES", "accuracy_answer", "accuracy_data", "check_places", "summary",
+    "write_accuracy",
+]
+
 TABLES = ("budget", "slopes", "front", "points", "costs", "oracles")
-PAGE, DATA, PICTURES = "accuracy.html", "accuracy.json", ("accuracy.png", "accuracy.svg")
 
 BUDGET_NOTE = (
     "The largest step from which on an engine stays below the error on all rungs, and of these the cheapest; only runs "
@@ -69,33 +72,18 @@ def accuracy_data(accuracy: Accuracy) -> dict:
 
 def write_accuracy(accuracy: Accuracy, out: Path) -> Path:
     """Write accuracy.html, .json, .png, .svg and CSV tables into `out`, each whole or not at all; return the page."""
-    from harness.report.figures import png_bytes
-    from harness.runs.atomic import write_bytes_atomic, write_json_atomic, write_text_atomic
-
-    out.mkdir(parents=True, exist_ok=True)
-    figure = accuracy_figure(accuracy)
-    picture = png_bytes(figure, dpi=110)
-    for name, rows in tables(accuracy).items():
-        write_text_atomic(out / f"{name}.csv", csv_text(rows))
-    write_bytes_atomic(out / PICTURES[0], picture)
-    write_bytes_atomic(out / PICTURES[1], _svg(figure))
-    write_json_atomic(out / DATA, accuracy_data(accuracy))
-    page = render_page(
-        title=f"What accuracy costs: {accuracy.scene.title}", lead=f"{summary(accuracy)}.",
-        sections=_sections(accuracy, Figure(uri=_uri(picture), caption=CAPTION)),
-    )
-    write_text_atomic(out / PAGE, page)
-    return out / PAGE
+    return write_files(out, Written(
+        title=f"What accuracy costs: {accuracy.scene.title}", lead=f"{summary(accuracy)}.", caption=CAPTION,
+        figure=accuracy_figure(accuracy), tables=tables(accuracy), data=accuracy_data(accuracy),
+        sections=lambda figure: _sections(accuracy, figure),
+    ))
 
 
 def check_places(out: Path) -> None:
     """Raise InputError when a folder stands where a file of the report goes: before anything is run."""
-    for place in (out / name for name in (PAGE, DATA, *PICTURES, *(f"{name}.csv" for name in TABLES))):
-        if place.is_dir():
-            raise InputError(
-                file=place, expected="a file or nothing, as the report goes there", got="a folder",
-                fix="move it away or name another --out",
-            )
+    from harness.report.accuracy_bulk import BULK_TABLES
+
+    check_files(out, [*TABLES, *BULK_TABLES])
 
 
 def summary(accuracy: Accuracy) -> str:
@@ -131,15 +119,3 @@ def _command(accuracy: Accuracy) -> str:
         "--engines", engines, "--quantity", accuracy.asked.quantity, "--phases", str(accuracy.phases),
     ])
 
-
-def _uri(png: bytes) -> str:
-    return f"data:image/png;base64,{base64.b64encode(png).decode()}"
-
-
-def _svg(figure) -> bytes:
-    from matplotlib import rc_context
-
-    buffer = io.BytesIO()
-    with rc_context({"svg.hashsalt": "grainproof"}):
-        figure.savefig(buffer, format="svg", metadata={"Date": None})
-    return buffer.getvalue()

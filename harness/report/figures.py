@@ -45,6 +45,16 @@ def png_bytes(figure, *, dpi: int) -> bytes:
     return buffer.getvalue()
 
 
+def svg_bytes(figure) -> bytes:
+    """Return the figure as an SVG file, the same bytes for the same figure."""
+    from matplotlib import rc_context
+
+    buffer = io.BytesIO()
+    with rc_context({"svg.hashsalt": "grainproof"}):
+        figure.savefig(buffer, format="svg", metadata={"Date": None})
+    return buffer.getvalue()
+
+
 def line_style(engine: str) -> dict:
     """One look for an engine in all figures."""
     return {"color": COLOURS.get(engine, "#555555"), "linestyle": STYLES.get(engine, "-"), "lw": 1.2, "label": engine}

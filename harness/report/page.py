@@ -19,14 +19,15 @@ if TYPE_CHECKING:
 
 WORDS = {
     *COLOURS, "crashed", "unstable", "timed_out", "unavailable", "unsupported", "worse", "better", "appeared",
-    "vanished",
+    "vanished", "failed_loudly", "failed_silently",
 }
 """Words that the page's style sheet gives a colour."""
 
 MARKS = {
     "agrees": "✓", "completed": "✓", "differs": "✗", "crashed": "✗", "unstable": "✗", "timed_out": "✗",
     "inconclusive": "?", "not_checked": "–", "unavailable": "–", "unsupported": "–", "known_difference": "≠",
-    "worse": "▼", "better": "▲",
+    "worse": "▼", "better": "▲", "stable": "✓", "refused": "✓", "degraded": "≈", "failed_loudly": "!",
+    "failed_silently": "✗",
 }
 """A sign beside the word, for who cannot tell the colours."""
 

@@ -17,7 +17,8 @@ PAGE, NARROWEST = 120, 12
 
 COLOURS = {
     "agrees": "green", "differs": "bold red", "inconclusive": "yellow", "not_checked": "magenta",
-    "known_difference": "cyan", "completed": "green",
+    "known_difference": "cyan", "completed": "green", "stable": "green", "refused": "cyan", "degraded": "yellow",
+    "failed loudly": "yellow", "failed silently": "bold red",
 }
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import shlex
 import time
@@ -27,6 +28,9 @@ from postproc.trajectory import ReadError, Trajectory, read_trajectory, write_tr
 if TYPE_CHECKING:
     from harness.engines.protocol import Engine, Probe, RunResult, Support
     from harness.scene.system import System
+
+
+log = logging.getLogger(__name__)
 
 
 def run_one(
@@ -58,7 +62,7 @@ def run_one(
     with folder.lock():
         kept = None if force else folder.completed(deck)
         if kept is None:
-            run = _Run(engine=engine, system=system, folder=folder, deck=deck, native=native)
+            run = _Run(engine=engine, system=system, folder=folder, deck=deck, native=native, force=force)
             kept = run.perform(time_limit, partial(outcome, partial=said))
     return kept, folder.path
 
@@ -72,23 +76,34 @@ class _Run:
     folder: RunFolder
     deck: Mapping[str, str]
     native: NativePolicy
+    force: bool
     timings: dict[str, float] = field(default_factory=dict)
 
     def perform(self, time_limit: float, outcome: Callable[..., Outcome]) -> Outcome:
         """Make the folder, run, keep what came of it; outcome.json is the last file written."""
-        with writing(self.folder.path):
-            self.folder.prepare(self.deck)
+        if not self._goes_on():
+            with writing(self.folder.path):
+                self.folder.prepare(self.deck)
         result = self.engine.run(self.folder.path, time_limit=time_limit)
         self.timings.update(result.timings)
         made = outcome(**self._facts(result), **self._verdict(result), timings=self.timings)
         write_outcome(self.folder.outcome, made)
         return made
 
+    def _goes_on(self) -> bool:
+        """Return whether a killed run of this deck left what the engine goes on from to the same bits."""
+        if self.force or not self.folder.unfinished(self.deck) or not self.engine.resumes(self.folder.path):
+            return False
+        log.warning("%s: goes on from its checkpoint, with the same bits", self.folder.name)
+        self.folder.outcome.unlink(missing_ok=True)
+        return True
+
     def _facts(self, result: RunResult) -> dict:
         path = self.folder.path
         return {
             "deck_digest": deck_digest(self.deck),
             "cpu_seconds": result.cpu_seconds,
+            "resumed_at": result.resumed_at,
             "wall_seconds": result.wall_seconds,
             "last_lines": result.last_lines,
             "steps_done": self.engine.steps_done(path),

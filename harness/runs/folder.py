@@ -179,6 +179,15 @@ class RunFolder:
             return None
         return outcome
 
+    def unfinished(self, deck: Mapping[str, str]) -> bool:
+        """Return whether a run of just this deck was begun here and broken off, by a kill or by its time limit."""
+        try:
+            self._verify_texts(deck)
+            outcome = self.read()
+        except Damaged:
+            return False
+        return outcome is None or outcome.status == "timed_out"
+
     def _verify_texts(self, deck: Mapping[str, str]) -> None:
         """Raise Damaged unless deck and identity.json are what was run: a user may take them for it."""
         for name, text in {**deck, IDENTITY: json_text(self.identity)}.items():

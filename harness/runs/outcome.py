@@ -48,6 +48,7 @@ class Outcome(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     timings: by phase, a phase that was not timed is absent: "render", "read", "write" are the
     harness's own; "run" and, where the engine tells, "setup" and "output" are the engine's.
     cpu_seconds (user + system of the engine's process) and wall_seconds are None if it never ran.
+    resumed_at: step from which a killed run went on; CPU time is then that of all parts, elapsed time of the last.
     load_average: runnable processes of the machine at the start; times of a busy machine mislead.
     native: what became of the engine's own output. trajectory: recorded for completed runs only.
     """
@@ -71,6 +72,7 @@ class Outcome(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     deck_digest: str | None = None
     timings: dict[str, float] = {}
     cpu_seconds: float | None = None
+    resumed_at: int | None = None
     wall_seconds: float | None = None
     last_lines: tuple[str, ...] = ()
     reproduce: str = ""
@@ -124,6 +126,7 @@ def describe_outcome(outcome: Outcome) -> str:
     """Say in one line what happened; for a failed run it ends with the command that repeats it."""
     head = f"{outcome.scene_name}, {outcome.engine} {outcome.engine_version}: {outcome.status}"
     tail = f"; partial: {', '.join(outcome.partial)}" if outcome.partial else ""
+    tail += "" if outcome.resumed_at is None else f"; went on at step {outcome.resumed_at}, the same bits"
     if outcome.status == "completed":
         line = f"{head}, {outcome.steps} steps, {outcome.particles} particles, {_times(outcome)}{tail}"
     elif outcome.status in ("unsupported", "unavailable"):

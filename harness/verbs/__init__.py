@@ -9,7 +9,10 @@ from __future__ import annotations
 
 from importlib import import_module
 
-VERBS = ("engines", "scene", "decks", "run", "compare", "laws", "bench", "accuracy", "reproduce", "report", "status")
+VERBS = (
+    "engines", "scene", "decks", "run", "compare", "laws", "bench", "accuracy", "effects", "stability", "reproduce",
+    "report", "status",
+)
 """Modules of this package, in the order of the help."""
 
 

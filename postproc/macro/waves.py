@@ -13,6 +13,7 @@ is the least-squares spectrum, which needs no whole number of periods (N. R. Lom
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -100,23 +101,38 @@ def long_wave_speed(
 
 def _spectral_lines(data: np.ndarray, time: np.ndarray, count: int) -> np.ndarray:
     """Return starting frequencies (count,): the highest line, then that of what it leaves."""
-    nyquist, trials = np.pi / (time[1] - time[0]), PER_LINE * len(time)
-    grid = nyquist * (np.arange(trials) + 0.5) / trials
+    trials = _trials(len(time), float(time[0]), float(time[1] - time[0]))
     found: list[float] = []
     left = data
     for _ in range(count):
-        found.append(float(grid[np.argmax(_captured(left, time, grid))]))
+        found.append(float(trials.frequency[np.argmax(trials.captured(left))]))
         left, _, _ = _left(data, time, np.array(found), len(found))
     return np.array(found)
 
 
-def _captured(data: np.ndarray, time: np.ndarray, grid: np.ndarray) -> np.ndarray:
-    """Return the power (trials,) that a cosine and a sine of each trial frequency take of channels (C, F)."""
-    cosine, sine = np.cos(np.outer(grid, time)), np.sin(np.outer(grid, time))
-    cc, ss, cs = (cosine**2).sum(1), (sine**2).sum(1), (cosine * sine).sum(1)
-    c, s = cosine @ data.T, sine @ data.T
-    determinant = cc * ss - cs**2
-    return ((ss[:, None] * c**2 - 2 * cs[:, None] * c * s + cc[:, None] * s**2).sum(1)) / determinant
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Trials:
+    """Trial frequencies (trials,) up to half the sampling rate, rad/s; their cosines and sines (trials, F)."""
+
+    frequency: np.ndarray
+    cosine: np.ndarray
+    sine: np.ndarray
+
+    def captured(self, data: np.ndarray) -> np.ndarray:
+        """Return the power (trials,) that a cosine and a sine of each trial frequency take of channels (C, F)."""
+        cc, ss, cs = ((a * b).sum(1)[:, None] for a, b in (
+            (self.cosine, self.cosine), (self.sine, self.sine), (self.cosine, self.sine)))
+        c, s = self.cosine @ data.T, self.sine @ data.T
+        return ((ss * c**2 - 2 * cs * c * s + cc * s**2) / (cc * ss - cs**2)).sum(1)
+
+
+@lru_cache(maxsize=4)
+def _trials(frames: int, start: float, step: float) -> _Trials:
+    """Return the trials of signals of evenly spaced frames; those of one run are shared by all its modes."""
+    count = PER_LINE * frames
+    frequency = np.pi / step * (np.arange(count) + 0.5) / count
+    phase = np.outer(frequency, start + step * np.arange(frames))
+    return _Trials(frequency=frequency, cosine=np.cos(phase), sine=np.sin(phase))
 
 
 def _left(data: np.ndarray, time: np.ndarray, parameters: np.ndarray, count: int):

@@ -45,7 +45,7 @@ import numpy as np
 FIXED = -1
 """Second partner of a contact with something that does not move."""
 
-DENSE = 300
+DENSE = 120
 """Degrees of freedom up to which all eigenvalues are computed: safer than an iteration, and as fast."""
 
 PRECISION, LATE_PRECISION = 1e-9, 1e-3
@@ -157,11 +157,19 @@ class Packing:
     def largest_step(self) -> float:
         """Return the step, s, at which 4 M - 2 dt C - dt^2 K ceases to be positive definite; infinite without forces.
 
-        With late springs: the step below which `growth` is 1, found by halving, to LATE_PRECISION; 0 when motions grow
-        at any step. For small packings then.
+        With late springs the same, with K - 2 K_l for K, where every late spring has a dashpot of at least dt k_l;
+        else the step below which `growth` is 1, found by halving to LATE_PRECISION: 0 when motions grow at any step.
         """
-        limit = _step_of(self._scaled(self.stiffness_matrix()), self._scaled(self.damping_matrix()))
-        return limit if self.late is None else self._largest_late_step(limit)
+        k, c = self._scaled(self.stiffness_matrix()), self._scaled(self.damping_matrix())
+        if self.late is None:
+            return _step_of(k, c)
+        limit = _step_of(k - 2 * self._scaled(self._matrix(self.late)), c)
+        return limit if self._dashpots_hold(limit) else self._largest_late_step(_step_of(k, c))
+
+    def _dashpots_hold(self, step: float) -> bool:
+        """Whether C - dt K_l >= 0 contact by contact."""
+        families = ((getattr(e, f) for e in (self.dashpots, self.late)) for f in ("tangential", "rolling", "torsion"))
+        return all(late is None or np.all((0.0 if held is None else held) >= step * late) for held, late in families)
 
     def growth(self, step: float) -> float:
         """Return the largest |z|, (-): by what factor the fastest growing motion grows in a step; 1 is stable.
@@ -279,7 +287,7 @@ def _step_of(k, c) -> float:
     if not square and not rate:
         return math.inf
     low = 4 / (rate + math.hypot(rate, 2 * math.sqrt(square)))
-    high = min(2 / math.sqrt(square) if square else math.inf, 2 / rate if rate else math.inf)
+    high = 2 / math.sqrt(square) if square else 2 / rate
     if high <= low * (1 + PRECISION):
         return low
     return brentq(lambda dt: _largest_eigenvalue(dt**2 * k + 2 * dt * c) - 4, low * (1 - PRECISION),

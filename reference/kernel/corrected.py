@@ -69,7 +69,8 @@ class CorrectedSimulation(Simulation):
         """Make steps of dt."""
         for _ in range(steps):
             s = self.state
-            before = [_Before.of(s.x.copy(), k) for k in self.interactions]
+            places = s.x.copy()
+            before = [_Before.of(places, k) for k in self.interactions]
             force, torque = s.force.copy(), None if s.torque is None else s.torque.copy()
             self._kick()
             self._drift()
@@ -79,6 +80,7 @@ class CorrectedSimulation(Simulation):
             self._kick()
             self.walls.predict()
             self._evaluate_with(before)
+            self.refuse_what_laws_cannot_tell(places)
             self._exchange_kick(force, torque)
             self.walls.replace_kick()
             for interaction, old in zip(self.interactions, before, strict=True):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,7 +20,13 @@ class SeriesWriter:
     For every ring r: r_angle (rad since the start), r_torque (of the particles on it, about its centre), r_fx, r_fy.
     """
 
-    def __init__(self, path: Path, model: Model):
+    def __init__(self, path: Path, model: Model, *, length: int | None = None):
+        """length: bytes of an earlier run's file that are kept, None to begin a new one."""
+        if length is not None:
+            self._file = open(path, "r+")  # noqa: SIM115
+            self._file.truncate(length)
+            self._file.seek(length)
+            return
         axes = "xyz"[: model.dimension]
         columns = [f"{w.name}_{q}" for w in model.walls for q in ("d", "v", *(f"f{a}" for a in axes))]
         columns += [f"{r.name}_{q}" for r in model.rings for q in ("angle", "torque", "fx", "fy")]
@@ -43,9 +50,71 @@ class SeriesWriter:
         self._file.write(",".join([str(s.step), *numbers]) + "\n")
         self._file.flush()
 
+    def flushed_length(self) -> int:
+        """Bring what was written to disk; return its length in bytes."""
+        self._file.flush()
+        os.fsync(self._file.fileno())
+        return self._file.tell()
+
     def close(self) -> None:
         """Close the file."""
         self._file.close()
+
+
+class FramesWriter:
+    """Frames in closed parts, ``frames.part<k>.h5``, which `finish` makes one file of: a killed run loses one part."""
+
+    def __init__(self, folder: Path, model: Model, *, part: int = 0):
+        """part: number of the first part that is written; earlier ones are kept, later ones deleted."""
+        self._folder, self._model, self.part = folder, model, part
+        for path in folder.glob("frames.part*.h5"):
+            if int(path.name.removeprefix("frames.part").removesuffix(".h5")) >= part:
+                path.unlink()
+        self._file = self._new()
+
+    def write(self, number: int, simulation: Simulation, *, contacts: bool) -> None:
+        """Add a frame."""
+        write_frame(self._file, number, simulation, contacts=contacts)
+
+    def next_part(self) -> int:
+        """Close the part, which is then on disk, and begin another; return the new one's number."""
+        self._file.close()
+        with open(self._path(self.part), "rb") as file:
+            os.fsync(file.fileno())
+        self.part += 1
+        self._file = self._new()
+        return self.part
+
+    def finish(self) -> None:
+        """Make one file of all parts, marked as finished."""
+        import h5py
+
+        self._file.close()
+        with h5py.File(self._path(0), "a") as whole:
+            for number in range(1, self.part + 1):
+                with h5py.File(self._path(number)) as part:
+                    for name in part.get("frame", ()):
+                        part.copy(f"frame/{name}", whole.require_group("frame"))
+            whole.attrs["finished"] = 1
+        os.replace(self._path(0), self._folder / FRAMES)
+        for number in range(1, self.part + 1):
+            self._path(number).unlink()
+
+    def close(self) -> None:
+        """Close the part."""
+        self._file.close()
+
+    def _path(self, number: int) -> Path:
+        return self._folder / f"frames.part{number}.h5"
+
+    def _new(self):
+        import h5py
+
+        file = h5py.File(self._path(self.part), "w")
+        file.attrs["dimension"] = self._model.dimension
+        if self._model.periodic is not None:
+            file.attrs["periodic"] = [length > 0 for length in self._model.periodic]
+        return file
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from reference.kernel.guards import KernelUnstable, refuse_centres_inside, refuse_leap
 from reference.kernel.interactions import Forces, Interaction
 from reference.kernel.laws.contact import Touching
 from reference.kernel.model import Model
@@ -23,14 +24,11 @@ SKIN_IN_RADII = 0.1
 """Skin of the candidate list in units of the mean radius: results do not depend on it."""
 
 
-class KernelUnstable(Exception):
-    """The run left what the laws can describe; the message says what and where."""
-
-
 class Simulation:
     """A running system; `advance()` makes one step.
 
-    Raises KernelUnstable when a particle centre passes a wall or a number is no longer finite.
+    Raises KernelUnstable when a particle centre passes a wall or gets inside another body, when a particle moves so far
+    in a step that it could pass another unseen (`reference.kernel.guards`), and when a number is no longer finite.
     """
 
     def __init__(self, model: Model, *, skin: float | None = None):
@@ -58,12 +56,14 @@ class Simulation:
     def advance(self, steps: int = 1) -> None:
         """Make steps of dt."""
         for _ in range(steps):
+            before = self.state.x.copy()
             self._kick()
             self._drift()
             self.walls.move()
             self._turn_rings()
             self.renew_candidates()
             self.evaluate(advance=True)
+            self.refuse_what_laws_cannot_tell(before)
             self._kick()
             self.walls.kick()
             self.walls.write(self.state)
@@ -143,6 +143,13 @@ class Simulation:
             interaction.renew(s, self.skin)
         self._built_at = s.x.copy()
         self.rebuilds += 1
+
+    def refuse_what_laws_cannot_tell(self, before: np.ndarray) -> None:
+        """Raise after a leap from the places `before`, and when a centre is inside another body."""
+        s, m = self.state, self.model
+        refuse_leap(m, before, s.x, s.step)
+        for pairs in (k.pairs for k in self.interactions if k.walls is None):
+            refuse_centres_inside(m, s.x, s.radius, pairs.i, pairs.j, s.step)
 
     def _refuse_passed_walls(self, contact: Touching) -> None:
         """Raise when an overlap with a wall reaches the radius: beyond the centre the plane is no wall."""

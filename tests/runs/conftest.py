@@ -100,6 +100,9 @@ class FakeEngine:
     def steps_done(self, folder: Path) -> int:
         return last_step(folder / "series.txt")
 
+    def resumes(self, folder: Path) -> bool:
+        return False
+
     def read(self, folder: Path, system: System) -> Trajectory:
         if self.mode == "bug":
             raise TypeError("a bug of the reader")

@@ -90,6 +90,12 @@ class KernelEngine:
         """Return the last sampled step."""
         return last_step(folder / "series.csv")
 
+    def resumes(self, folder: Path) -> bool:
+        """A run with a checkpoint does, unless the killed run's process is still there."""
+        from reference.kernel.checkpoint import CHECKPOINT, owned
+
+        return (folder / CHECKPOINT).exists() and not owned(folder)
+
     def read(self, folder: Path, system: System) -> Trajectory:
         """Read frames.h5 and series.csv."""
         from postproc.readers.kernel import read_kernel
@@ -154,9 +160,11 @@ def _outcome(command: list[str], folder: Path, time_limit: float) -> RunResult:
     child = run_child(command, folder=folder, log=LOG, time_limit=time_limit)
     status, reason = _judged(child, time_limit)
     report = _report(child) if status == "completed" else {}
+    resumed_at, timings = report.get("resumed_at"), report.get("timings", {})
     return RunResult(
-        status=status, reason=reason, last_lines=child.last_lines, cpu_seconds=child.cpu_seconds,
-        wall_seconds=child.wall_seconds, timings=report.get("timings", {}),
+        status=status, reason=reason, last_lines=child.last_lines, wall_seconds=child.wall_seconds, timings=timings,
+        cpu_seconds=child.cpu_seconds if resumed_at is None else max(child.cpu_seconds, sum(timings.values())),
+        resumed_at=resumed_at,
     )
 
 

@@ -50,19 +50,24 @@ class WholeKernel:
 
 
 IN_PLACE = {
-    "damping attraction": (("clipped", "normal damping: maximum"), "to clip is the word, and an operation: without it the dashpot may pull"),
-    "normal damping": ((), "the law's table names all its numbers: its number says no damping, and no operation reads it"),
+    "damping attraction": (
+        ("clipped", "normal damping: maximum"),
+        "to clip is the word, and an operation: without it the dashpot may pull"
+    ),
+    "normal damping": (
+        (), "the law's table names all its numbers: this one says no damping, and no operation reads it"
+    ),
     "wall friction": (
-        ("False", "rotation: fill"), "every wall says whether it rubs; in the arrays of torques rows of smooth contacts "
-        "are filled with 0"
+        ("False", "rotation: fill"),
+        "every wall says whether it rubs; in the arrays of torques rows of smooth contacts are filled with 0"
     ),
     "adhesion": ((), "the law's table names all its numbers: this one is 0, and no operation reads it"),
 }
 """What stands in the deck while an effect is off, by effect: words, and why they must."""
 
 LATE = (
-    "with a dynamic coefficient a sliding contact is tested with the spring as the coming step would stretch it, without "
-    "one with the spring as it is: a difference of order dt, documented in reference.kernel.laws.slider"
+    "with a dynamic coefficient a sliding contact is tested with the spring as the coming step would stretch it, "
+    "without one with the spring as it is: a difference of order dt, documented in reference.kernel.laws.slider"
 )
 AT_ZERO = {("dynamic friction", convention): LATE for convention in ("talk", "corrected")}
 """Where a coefficient at zero is not the effect switched off, by effect and convention, and why."""

@@ -149,6 +149,10 @@ class Liggghts:
         """Return the last step in the series."""
         return last_step(folder / SERIES)
 
+    def resumes(self, folder: Path) -> bool:  # noqa: ARG002
+        """A restart of LIGGGHTS changes bits, as its set-up evaluates all forces anew, like that of LAMMPS."""
+        return False
+
     def read(self, folder: Path, system: System) -> Trajectory:
         """Turn series and dumps into a trajectory; raises ReadError."""
         from postproc.readers.liggghts import LiggghtsWall, read_liggghts

@@ -70,7 +70,7 @@ BOX = {
     "stiffness": _stiffness(1 / 64, 1 / 16, 1 / 4, 1.0),
     "rate": _rate(8.0, 4.0, 2.0, 1.0),
     "size": Knob(  # first order in 1/side: layers at walls are a few particles thick
-        name="size", value="particles", largest=1e6, ladder=(0.25, 0.5, 1.0, 2.0), whole=True,
+        name="size", value="particles", largest=1e6, ladder=(0.25, 0.5, 1.0), whole=True,
         own=lambda s: float(s.particles.count or 0), x=lambda n: n**-0.5,
     ),
     "width": Knob(  # second order: a mean over w about a smooth top is lower by w^2 y''/24

@@ -45,8 +45,8 @@ class BulkAccuracy:
     """Everything a report needs, and everything advice is made of: see `harness.report.accuracy_bulk` for the JSON.
 
     asked: by knob. floors: by engine and quantity. wall_seconds: of the whole study this time. own_seconds: CPU time of
-    everything but engines and packings; packing_seconds, engine_seconds: CPU time of those, of this time; kept: how many
-    runs were there already, of `runs`. load: largest number of runnable processes at the start of a run.
+    everything but engines and packings; packing_seconds, engine_seconds: CPU time of those, of this time; kept: how
+    many runs were there already, of `runs`. load: largest number of runnable processes at the start of a run.
     """
 
     scene: Biaxial | Couette

@@ -5,7 +5,8 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, field
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -110,8 +111,6 @@ def _filled(setting: Setting, own: tuple[System, ...], file: Path, packings: int
 
 def replace_systems(setting: Setting, systems: tuple[System, ...], reason: str = "") -> Setting:
     """Return the setting with its systems."""
-    from dataclasses import replace
-
     return replace(setting, systems=systems, reason=reason)
 
 
@@ -157,8 +156,6 @@ def _pack_one(scene: Scene, file: Path, number: int, cache: Path) -> float:
     """Make the packing of one seed; what is wrong with it is said when it is asked for. Returns CPU seconds."""
     begun = time.process_time()
     seeded = replaced(scene, particles=replaced(scene.particles, seed=(scene.particles.seed or 0) + number))
-    try:
+    with suppress(InputError):
         prepare(seeded, file, packings=1, cache=cache)
-    except InputError:
-        pass
     return time.process_time() - begun

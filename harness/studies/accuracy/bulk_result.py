@@ -17,7 +17,7 @@ class Rung:
 
     status: "completed" if every packing did, else what became of the first that did not, and reason why. x: what tends
     to 0. dt (s) and steps are the first packing's. values: (K, S) by quantity, NaN where a packing has none; empty
-    unless completed. seconds: median CPU time of a whole test, set-up and output left out, None if not timed; each: (K,).
+    unless completed. seconds: median CPU time of a whole test, None if not timed; each: (K,); set-up and output apart.
     """
 
     knob: str
@@ -222,9 +222,10 @@ def _why(known: Sequence[tuple[Rung, Error]], target: float, floor: Floor | None
 
 
 def front(ladders: Sequence[Ladder], quantity: str) -> list[tuple[Ladder, Rung, Error]]:
-    """Return the settings than which no other is both faster and better, fastest first.
+    """Return the settings than which no other is both faster and surely better, fastest first.
 
-    Errors are those of whole settings: all knobs of an engine are held against the limit of all.
+    Errors are those of whole settings: all knobs of an engine are held against the limit of all. They are compared with
+    their standard errors added, so that a setting that is near by chance does not win.
     """
     points = []
     for ladder in ladders:
@@ -234,7 +235,7 @@ def front(ladders: Sequence[Ladder], quantity: str) -> list[tuple[Ladder, Rung, 
             if error is not None and rung.seconds is not None:
                 points.append((ladder, rung, error))
     kept: list[tuple[Ladder, Rung, Error]] = []
-    for point in sorted(points, key=lambda p: (p[1].seconds, p[2].size)):
-        if not kept or point[2].size < kept[-1][2].size:
+    for point in sorted(points, key=lambda p: (p[1].seconds, p[2].most)):
+        if not kept or point[2].most < kept[-1][2].most:
             kept.append(point)
     return kept

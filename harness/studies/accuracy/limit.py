@@ -7,14 +7,15 @@ There is no exact friction angle of a packing. What there is: values y_i on rung
                            observed orders and their use: P. J. Roache, Annu. Rev. Fluid Mech. 29, 123 (1997))
 
 Everything is formed packing by packing, so that what a packing does to all rungs alike cancels. A limit is linear in
-the values, y_0 = sum w_i y_i; its standard error is that of sum w_i y_ik over packings k. Three cases, told apart by
-the finest three rungs:
+the values, y_0 = sum w_i y_i; its standard error is that of sum w_i y_ik over packings k. Cases, told apart by
+Student's t on such sums over the finest three rungs:
 
-    extrapolated   the rungs differ by more than noise, and the order that they show is the expected one within its
-                   error: least squares with the expected order, else with the order seen if that is well known
-    outside        they differ, but not like a power (no order between LEAST and MOST fits, or only two rungs are
-                   there): Richardson of the finest two with the expected order, and the whole correction as an error
     flat           they differ by no more than noise: y_0 is their mean, its error the difference that noise can hide
+    extrapolated   they differ, and what is left of the line in x^p with the expected p is noise: least squares. Else,
+                   if they show an order of their own that is well known: least squares with that one, and how far
+                   the expected one would be off as a further error
+    outside        they differ, but not like a power, or there are only two: the finest two with the expected order,
+                   and the whole correction as an error
 """
 
 from __future__ import annotations
@@ -95,7 +96,9 @@ def find_order(x: Sequence[float], values: np.ndarray) -> Order | None:
     """Return the order of values (R, K, S) over all rungs; None with fewer than three or where no power fits."""
     x, values = np.asarray(x, float), np.asarray(values, float)
     whole = np.isfinite(values).all(axis=(0, 2))
-    if len(x) < USED or whole.sum() < 2 or not _seen(values[:, whole], x):
+    if len(x) < USED or whole.sum() < 2:
+        return None
+    if not _differs((values[np.argmax(x)] - values[np.argmin(x)])[whole]):
         return None
     flat = _projected(x, values[:, whole])
     best = _best_order(x, flat.mean(axis=1))
@@ -126,45 +129,46 @@ def _finest(x: np.ndarray, values: np.ndarray) -> tuple[np.ndarray, np.ndarray] 
 
 def _choose(x: np.ndarray, values: np.ndarray, expected: float):
     """Return state, weights (R,), order, systematic error (S,) and words; x is sorted, finest first."""
-    none = np.zeros(values.shape[2])
-    if not _seen(values, x):
-        hidden = standard_error(values[-1] - values[0])
-        says = f"the finest {len(x)} rungs differ by no more than noise: their mean, the floor dominates"
-        return "flat", np.full(len(x), 1.0 / len(x)), expected, hidden, says
-    order = find_order(x, values) if len(x) >= USED else None
-    if order is not None and _fits(order, expected):
-        weights = power_weights(x, expected)
-        says = f"{len(x)} rungs with the expected order {expected:g}; seen {order.value:.2f} +- {order.error:.2g}"
-        return "extrapolated", weights, expected, none, says
-    if order is not None and order.error < 0.5 * order.value:
-        weights = power_weights(x, order.value)
-        off = np.abs(_apart(power_weights(x, expected), weights, values))
-        says = f"{len(x)} rungs with the order that they show, {order.value:.2f} +- {order.error:.2g}, not {expected:g}"
-        return "extrapolated", weights, order.value, off, says
-    weights = np.concatenate([power_weights(x[:2], expected), np.zeros(len(x) - 2)])
-    correction = np.abs(_apart(weights, np.eye(len(x))[0], values))
-    why = "only two rungs" if len(x) < USED else "not in the asymptotic range"
-    return "outside", weights, expected, correction, f"{why}: the finest two with order {expected:g}, not checked"
+    none, count = np.zeros(values.shape[2]), len(x)
+    if not _differs(values[-1] - values[0]):
+        says = f"the finest {count} rungs differ by no more than noise: their mean; the floor dominates"
+        return "flat", np.full(count, 1.0 / count), expected, standard_error(values[-1] - values[0]), says
+    if count == USED:
+        order = find_order(x, values)
+        shown = f"; they show {order.value:.2f} +- {order.error:.2g}" if order else ""
+        if not _differs(np.tensordot(_bend(x, expected), values, axes=1)):
+            says = f"{count} rungs, order {expected:g} as expected{shown}"
+            return "extrapolated", power_weights(x, expected), expected, none, says
+        if order is not None and order.error < 0.5 * order.value:
+            weights = power_weights(x, order.value)
+            off = np.abs(_apart(power_weights(x, expected), weights, values))
+            says = f"{count} rungs, order as they show it, {order.value:.2f} +- {order.error:.2g}, not {expected:g}"
+            return "extrapolated", weights, order.value, off, says
+    weights = np.concatenate([power_weights(x[:2], expected), np.zeros(count - 2)])
+    why = "only two rungs" if count < USED else "not in the asymptotic range"
+    return (
+        "outside", weights, expected, np.abs(_apart(weights, np.eye(count)[0], values)),
+        f"{why}: the finest two with order {expected:g}, not checked",
+    )
 
 
-def _fits(order: Order, expected: float) -> bool:
-    """Whether an order is the expected one within two standard errors, and known well enough to say so."""
-    return abs(order.value - expected) <= 2.0 * order.error and order.error <= 0.5 * expected
+def _bend(x: np.ndarray, order: float) -> np.ndarray:
+    """Return c (3,) so that sum c_i y_i = 0 for every y_0 + c x^p: what three rungs are off a line in x^p."""
+    u = x**order
+    return np.array([u[2] - u[1], u[0] - u[2], u[1] - u[0]])
 
 
 def _apart(weights: np.ndarray, others: np.ndarray, values: np.ndarray) -> np.ndarray:
     return np.tensordot(weights - others, values.mean(axis=1), axes=1)
 
 
-def _seen(values: np.ndarray, x: np.ndarray) -> bool:
-    """Whether coarsest and finest rung (R, K, S) differ by more than noise: Student's t on the paired differences.
+def _differs(apart: np.ndarray) -> bool:
+    """Whether differences (n, S) over packings are more than noise: Student's t, two-sided at LEVEL.
 
-    Of several numbers, on their share along the mean difference of the other half of the packings (so that noise is not
-    compared with itself), both ways.
+    Of several numbers, on each packing's share along the mean of all others, so that noise is not compared with itself.
     """
     from scipy.stats import t
 
-    apart = values[np.argmax(x)] - values[np.argmin(x)]
     along = apart[:, 0] if apart.shape[1] == 1 else _crossed(apart)
     n = len(along)
     error = along.std(ddof=1) / np.sqrt(n)

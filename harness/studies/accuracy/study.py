@@ -13,14 +13,15 @@ from harness.errors import InputError
 from harness.runs.outcome import Host, host_facts
 from harness.scene.laws import turning
 from harness.scene.load import load_scene
-from harness.studies.accuracy.asked import Asked, asked
+from harness.scene.model import Biaxial, Couette, Free
+from harness.studies.accuracy.asked import Asked, asked_all
+from harness.studies.accuracy.bulk import BulkAccuracy, bulk_accuracy
 from harness.studies.accuracy.result import Track
 from harness.studies.accuracy.steps import climb, ladders
 
 if TYPE_CHECKING:
     from harness.engines.protocol import Engine
     from harness.runs.progress import Progress
-    from harness.scene.model import Free
 
 USUAL = ("lammps", "liggghts", "kernel:talk", "kernel:corrected")
 """The codes, the leapfrog of the kernel, and its second-order scheme."""
@@ -68,15 +69,29 @@ class Accuracy:
 def accuracy(
     scene_file: Path, out: Path, *, engines: Sequence[str] | None = None, knob: str | None = None,
     ladder: Sequence[float] | None = None, quantity: str | None = None, phases: int | None = None,
-    time_limit: float = TIME_LIMIT, workers: int | None = None, progress: Callable[[], Progress] | None = None,
-) -> Accuracy:
-    """Climb the ladder; runs, oracles and times are kept below `out` and reused.
+    packings: int | None = None, time_limit: float = TIME_LIMIT, workers: int | None = None,
+    progress: Callable[[], Progress] | None = None,
+) -> Accuracy | BulkAccuracy:
+    """Climb the ladders; runs, oracles, packings and times are kept below `out` and reused.
 
+    Free scenes have phases of the step, boxes and rings have packings: of those errors are formed.
     Raises InputError for a wrong scene, knob, ladder or quantity before anything is written.
     """
-    begun, own = time.monotonic(), time.process_time()
     scene = load_scene(scene_file)
-    wanted = asked(scene, scene_file, knob=knob, ladder=ladder, quantity=quantity)
+    wanted = asked_all(scene, scene_file, knob=knob, ladder=ladder, quantity=quantity)
+    _require_one_of(scene, phases=phases, packings=packings)
+    options = {"engines": engines, "time_limit": time_limit, "workers": workers, "progress": progress}
+    if isinstance(scene, Free):
+        return free_accuracy(scene, scene_file, wanted[0], out, phases=phases, **options)
+    return bulk_accuracy(scene, scene_file, wanted, out, packings=packings, **options)
+
+
+def free_accuracy(
+    scene: Free, scene_file: Path, wanted: Asked, out: Path, *, engines: Sequence[str] | None, phases: int | None,
+    time_limit: float, workers: int | None, progress: Callable[[], Progress] | None,
+) -> Accuracy:
+    """Climb the ladder of steps of a free scene."""
+    begun, own = time.monotonic(), time.process_time()
     chosen = chosen_engines(engines, wanted)
     count = _phase_count(phases)
     rungs = ladders(scene, scene_file, wanted.values, count)
@@ -89,6 +104,16 @@ def accuracy(
         contact_time=rungs.contact_time, tracks=tuple(tracks), host=host_facts(), wall_seconds=time.monotonic() - begun,
         own_seconds=time.process_time() - own,
     )
+
+
+def _require_one_of(scene: Free | Biaxial | Couette, *, phases: int | None, packings: int | None) -> None:
+    """Phases belong to free scenes, packings to those that are packed."""
+    free = isinstance(scene, Free)
+    wrong, other, got = ("packings", "phases", packings) if free else ("phases", "packings", phases)
+    if got is not None:
+        raise InputError(
+            file=f"--{wrong}", expected="nothing for this kind of scene", got=got, fix=f"it has --{other}"
+        )
 
 
 def chosen_engines(words: Sequence[str] | None, wanted: Asked) -> tuple[Engine, ...]:

@@ -3,13 +3,15 @@
 A session (`harness.engines.session`) builds one variant and waits. Then all variants make a stretch of steps, one after
 the other, and again, beginning with another one each time: what else the machine does hits all alike, and the ratio of
 a variant to the scene as declared is taken stretch by stretch. Set-up and output are outside. Stretches of a scene of
-many bodies follow its start; those of a short scene divide its whole time, of all variants the same time.
+many bodies follow its start; those of a short scene divide its whole time, of all variants the same time, in steps so
+much finer that a stretch is long enough: what a step costs does not depend on its length.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
+import math
 import tempfile
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
@@ -30,11 +32,11 @@ ROUNDS = 7
 STRETCH = 0.12
 """CPU seconds that one stretch is to take, of scenes that are long enough."""
 
-LEAST, MOST = 60, 20_000
+LEAST, MOST = 1000, 20_000
 """Steps of a stretch."""
 
 TIME_LIMIT = 600.0
-SCHEMA = 2
+SCHEMA = 3
 """Of the files: raise it when what is measured changes."""
 
 Opener = Callable[[Whole, Path], Session]
@@ -63,6 +65,14 @@ class StepCost:
     def ratio(self) -> float | None:
         """Median over the stretches."""
         return float(np.median(self.ratios)) if self.ratios else None
+
+    def differs(self, steps: float = 1.0) -> bool:
+        """Whether all stretches but one at most lie on one side of equal times, with `steps` times as many steps.
+
+        By chance that happens to seven stretches with probability 1/8.
+        """
+        longer = sum(r * steps > 1.0 for r in self.ratios)
+        return min(longer, len(self.ratios) - longer) <= 1 < len(self.ratios)
 
     @property
     def range(self) -> tuple[float, float] | None:
@@ -98,7 +108,10 @@ def step_costs(
 def _measure(
     timed: Whole, systems: Mapping[str, System], opener: Opener, rounds: int, told: Callable[[float], None]
 ) -> dict[str, StepCost]:
-    many = {name: copies(system) for name, system in systems.items()}
+    finer = max(1, math.ceil(rounds * LEAST / systems[BASE].steps))
+    many = {
+        name: copies(s.with_(dt=s.dt / finer, steps=s.steps * finer)) for name, s in systems.items()
+    }
     seconds: dict[str, list[float]] = {name: [] for name in many}
     lost: dict[str, str] = {}
     with tempfile.TemporaryDirectory(prefix="grainproof-effects-") as folder, ExitStack() as stack:
@@ -135,11 +148,10 @@ def _cost(seconds: list[float], base: list[float], setup: float, steps: int, bod
 def _stretches(sessions: Mapping[str, Session], systems: Mapping[str, System], rounds: int) -> dict[str, int]:
     """Return the steps of a stretch by variant: the same time for all, whether their steps are as long or not."""
     base = systems[BASE]
-    whole_scene = base.steps // rounds
-    wanted = whole_scene
-    if whole_scene > LEAST:
+    wanted = base.steps // rounds
+    if wanted > 2 * LEAST:
         first = [session.run(LEAST) / LEAST for session in sessions.values()]
-        wanted = int(np.clip(STRETCH / float(np.median(first)), LEAST, min(MOST, whole_scene)))
+        wanted = int(np.clip(STRETCH / float(np.median(first)), LEAST, min(MOST, wanted)))
     return {name: max(1, round(wanted * base.dt / s.dt)) for name, s in systems.items()}
 
 

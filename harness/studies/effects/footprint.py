@@ -134,7 +134,7 @@ def refusal(engine: Engine, system: System) -> str:
 
 
 def _inner(effect: str, on: Trace, off: Trace) -> list[str]:
-    """Return what the program, its memory and the output have of the effect while it is off, or more of than with it."""
+    """Return what program, memory and output have of the effect while it is off, or more of than with it."""
     found = []
     if off.operations is not None and on.operations is not None:
         named = OPERATIONS.get(effect, (effect,))
@@ -152,7 +152,7 @@ def _more(a: Mapping[str, int] | None, b: Mapping[str, int] | None) -> dict[str,
 
 
 def _lines(name: str, text: str) -> list[str]:
-    """Return the commands of a deck: continued lines joined, comments left out; leaves of a JSON file with their path."""
+    """Return the commands of a deck, lines joined, comments left out; the leaves of a JSON file with their path."""
     if name.endswith(".json"):
         return list(_leaves(json.loads(text), ""))
     joined = text.replace("&\n", " ")

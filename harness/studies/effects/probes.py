@@ -22,6 +22,7 @@ from harness.engines.whole import at_zero
 from harness.runs.folder import runs_root
 from harness.runs.pool import Done, run_many
 from harness.scene.system import System
+from harness.studies.accuracy.shown import Grouped
 from harness.studies.effects.footprint import refusal
 from harness.studies.effects.pairs import OnOff
 from harness.studies.verdict import Verdict
@@ -85,8 +86,9 @@ def probe(
                     wanted[key] = (engine.name, short(system).digest())
                     plan[wanted[key]] = (engine, short(system))
     jobs = [(f"short runs, {name}", engine, system) for (name, _), (engine, system) in plan.items()]
+    shown = Grouped([label for label, *_ in jobs], progress) if progress else None
     done = dict(zip(plan, run_many(
-        jobs, runs_root(out), time_limit=time_limit, workers=workers, native="drop", progress=progress
+        jobs, runs_root(out), time_limit=time_limit, workers=workers, native="drop", progress=shown
     ), strict=True))
     runs = {key: _trajectory(done[of]) for key, of in wanted.items()}
     checks = tuple(_check(p, e.name, runs, refused) for p in pairs for e in engines)

@@ -4,7 +4,8 @@ A switch changes one thing. What goes with it (the spring of a law that is gone,
 clip) follows from the scene that comes out, which is asked again for its effects. Coefficients of an effect that the
 scene does not have are stated; they follow from the scene's own numbers::
 
-    normal damping      that of restitution 0.8 for the mean pair: gamma = 2 beta sqrt(k m*), beta = -ln e/sqrt(pi^2 + ln^2 e)
+    normal damping      of restitution e = 0.8 for the mean pair: gamma = 2 beta sqrt(k m*),
+                        beta = -ln e/sqrt(pi^2 + ln^2 e)
     sliding friction    mu = 0.5, k_t = k_n/5, gamma_t = gamma_n/4 (with hertz Mindlin's spring)
     dynamic friction    mu_d = 0.8 mu
     rolling, torsion    mu_r = 0.1, k_r = k_t, no dashpot
@@ -27,7 +28,6 @@ from harness.scene.contact import (
     DmtNormal,
     HertzNormal,
     HystereticNormal,
-    JkrNormal,
     LinearNormal,
     MindlinSliding,
     SpringRolling,
@@ -37,7 +37,7 @@ from harness.scene.contact import (
 )
 from harness.scene.grains import Grains
 from harness.scene.laws import head_on, turning, word
-from harness.scene.model import Background, Biaxial, Free, Scene
+from harness.scene.model import Background, Free, Scene
 
 RESTITUTION, FRICTION, DYNAMIC, ROLLING, TORSION = 0.8, 0.5, 0.8, 0.1, 0.1
 SHEAR_STIFFNESS, SHEAR_DAMPING = 0.2, 0.25

@@ -20,9 +20,9 @@ from harness.studies.frontier import laws, packings
 from harness.studies.frontier.formula import formula_limit
 from harness.studies.frontier.laws import LawCase
 from harness.studies.frontier.map import AXES
-from harness.studies.frontier.packings import Packed, PackingCase, resting_system
+from harness.studies.frontier.packings import PackingCase, resting_system
 from harness.studies.frontier.search import Search, Wanted, search_all
-from harness.studies.frontier.theory import NoTheory, exact_limit, touching
+from harness.studies.frontier.theory import Theory, linear_packing, scheme, theory_of, touching
 
 if TYPE_CHECKING:
     from harness.engines.protocol import Engine
@@ -133,6 +133,18 @@ class _Case:
         return f"{self.law.name}, {self.packing.name}{at}"
 
 
+@dataclass(frozen=True, kw_only=True)
+class _Planned:
+    case: _Case
+    engine: Engine
+    rest: System
+    theory: Theory
+
+    @property
+    def label(self) -> str:
+        return f"{self.engine.name}: {self.case.label}"
+
+
 def frontiers(
     out: Path, *, full: bool = False, engines: Sequence[str] | None = None, time_limit: float = TIME_LIMIT,
     workers: int | None = None, progress: Callable[[], Progress] | None = None,
@@ -144,11 +156,9 @@ def frontiers(
     begun = time.monotonic()
     chosen = choose_engines(list(engines)) if engines else tuple(ENGINES[name] for name in USUAL)
     plan, skipped = _planned(_cases(full=full), chosen, out / "packings")
-    wanted = [Wanted(label=label, engine=e, rest=rest, guess=_guess(rest, e.name)) for label, e, rest, _ in plan]
+    wanted = [Wanted(label=p.label, engine=p.engine, rest=p.rest, guess=p.theory.guess) for p in plan]
     searches = _shown(wanted, runs_root(out), time_limit, workers, progress)
-    found = tuple(
-        _frontier(case, engine, rest, search) for (_, engine, rest, case), search in zip(plan, searches, strict=True)
-    )
+    found = tuple(_frontier(p, search) for p, search in zip(plan, searches, strict=True))
     return Frontiers(
         size="full" if full else "quick", found=found, skipped=tuple(skipped), host=host_facts(),
         versions={e.name: e.probe().version for e in chosen}, wall_seconds=time.monotonic() - begun,
@@ -159,13 +169,12 @@ def measured_frontier(
     engine: Engine, rest: System, root: Path, *, law: str = "", packing: str = "", time_limit: float = TIME_LIMIT
 ) -> Frontier:
     """Return the frontier of one system at rest, of any law: for other studies. Runs are kept below `root`."""
-    wanted = Wanted(label=f"{packing} {law}".strip() or rest.scene_name, engine=engine, rest=rest,
-                    guess=_guess(rest, engine.name))
-    (search,) = search_all([wanted], root, time_limit=time_limit)
     case = _Case(
         law=LawCase(name=law, contact=None), packing=PackingCase(name=packing, dimension=rest.dimension, make=None)
     )
-    return _frontier(case, engine, rest, search)
+    planned = _Planned(case=case, engine=engine, rest=rest, theory=theory_of(rest, engine.name))
+    wanted = Wanted(label=planned.label, engine=engine, rest=rest, guess=planned.theory.guess)
+    return _frontier(planned, *search_all([wanted], root, time_limit=time_limit))
 
 
 def _cases(*, full: bool) -> list[_Case]:
@@ -182,24 +191,33 @@ def _cases(*, full: bool) -> list[_Case]:
 
 
 def _planned(cases: list[_Case], engines: Sequence[Engine], cache: Path):
-    """Return label, engine, system and case of every search, and what is left out and why."""
-    from harness.engines.protocol import REFUSED
-
-    made: dict[tuple, Packed] = {}
+    """Return every search, and what is left out and why."""
     plan, skipped = [], []
     for case in cases:
-        key = (case.packing.name, case.value if case.packing.make is not packings.RANDOM.make else None)
-        packed = made.setdefault(key, None) or made.__setitem__(key, case.packing.make(cache)) or made[key]
-        rest = resting_system(case.packing, packed, case.law)
+        rest = resting_system(case.packing, case.packing.make(cache), case.law)
+        known = {late: theory_of(rest, engine) for late, engine in _schemes(engines, rest).items()}
         for engine in _distinct(engines, rest):
-            probe = engine.probe()
-            refused = [] if not probe.available else [s for s in engine.supports(rest) if s.level in REFUSED]
-            reason = probe.detail if not probe.available else "; ".join(f"{s.effect}: {s.note}" for s in refused)
+            reason = _refusal(engine, rest)
             if reason:
                 skipped.append((engine.name, case.law.name, case.packing.name, reason))
             else:
-                plan.append((f"{engine.name}: {case.label}", engine, rest, case))
+                plan.append(_Planned(case=case, engine=engine, rest=rest, theory=known[scheme(engine.name)]))
     return plan, list(dict.fromkeys(skipped))
+
+
+def _schemes(engines: Sequence[Engine], rest: System) -> dict[str, str]:
+    """Return an engine of every scheme among the engines: theory is the same for all of one."""
+    return {scheme(e.name): e.name for e in _distinct(engines, rest)}
+
+
+def _refusal(engine: Engine, rest: System) -> str:
+    """Return why an engine does not run a system, "" if it does."""
+    from harness.engines.protocol import REFUSED
+
+    probe = engine.probe()
+    if not probe.available:
+        return probe.detail
+    return "; ".join(f"{s.effect}: {s.note}" for s in engine.supports(rest) if s.level in REFUSED)
 
 
 def _distinct(engines: Sequence[Engine], system: System) -> tuple[Engine, ...]:
@@ -209,18 +227,6 @@ def _distinct(engines: Sequence[Engine], system: System) -> tuple[Engine, ...]:
     leapfrogs = [e for e in engines if e.name.startswith(KERNEL_PREFIX) and e.name != "kernel:corrected"]
     single = (ENGINES["kernel:talk"] if e in leapfrogs else e for e in engines)
     return tuple(dict.fromkeys(single))
-
-
-def _guess(rest: System, engine: str) -> float:
-    """Where the search begins, s: theory, else theory of the codes, else the formula of scenes."""
-    for name in (engine, "lammps"):
-        try:
-            limit = exact_limit(rest, name)
-        except NoTheory:
-            continue
-        if limit > 0:
-            return limit
-    return formula_limit(rest)
 
 
 def _shown(wanted, root: Path, time_limit: float, workers: int | None, progress) -> list[Search]:
@@ -246,23 +252,18 @@ def _words(search: Search) -> str:
     return search.fault or f"stable at {search.stable:.4g} s, not at {search.unstable:.4g} s"
 
 
-def _frontier(case: _Case, engine: Engine, rest: System, search: Search) -> Frontier:
-    exact, note = None, ""
-    try:
-        exact = exact_limit(rest, engine.name)
-    except NoTheory as reason:
-        note = str(reason)
+def _frontier(planned: _Planned, search: Search) -> Frontier:
+    case, rest, theory = planned.case, planned.rest, planned.theory
     return Frontier(
-        engine=engine.name, law=case.law.name, packing=case.packing.name, system=rest,
+        engine=planned.engine.name, law=case.law.name, packing=case.packing.name, system=rest,
         particles=len(rest.particles), contacts=len(touching(rest)[1]), unit=unit_of_time(rest),
-        formula=formula_limit(rest), linear=case.law.linear, exact=exact, note=note, stable=search.stable,
-        unstable=search.unstable, looks=len(search.looks), fault=search.fault, axis=case.axis, value=case.value,
+        formula=formula_limit(rest), linear=case.law.linear, exact=theory.exact, note=theory.note,
+        stable=search.stable, unstable=search.unstable, looks=len(search.looks), fault=search.fault, axis=case.axis,
+        value=case.value,
     )
 
 
 def unit_of_time(rest: System) -> float:
     """sqrt(m/k), s: of the lightest particle and the largest slope of a normal force among the contacts."""
-    from harness.studies.frontier.theory import linear_packing
-
     slope = np.max(linear_packing(rest).springs.normal)
     return math.sqrt(float(rest.particles.mass.min()) / float(slope))

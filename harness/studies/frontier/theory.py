@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from harness.scene.contact import (
 )
 from harness.scene.overlaps import initial_overlaps
 from harness.scene.system import System
+from harness.studies.frontier.formula import formula_limit
 from reference.analytic.hertz_collision import (
     damping_factor_for_restitution,
     effective_modulus,
@@ -34,14 +36,30 @@ class NoTheory(Exception):
     """The law has no constant springs about a state at rest; the message says why."""
 
 
-def exact_limit(system: System, engine: str) -> float:
-    """Return the largest stable step, s, of small motions of a system at rest in an engine's scheme.
+@dataclass(frozen=True, kw_only=True)
+class Theory:
+    """The exact limit of a scheme, s; None where nothing was derived, and `note` says why. guess: where to look, s."""
 
-    Raises NoTheory where nothing was derived.
-    """
-    if engine in UNKNOWN:
-        raise NoTheory("another scheme than the leapfrog: nothing derived")
-    return linear_packing(system, late=engine in LATE).largest_step()
+    exact: float | None
+    note: str
+    guess: float
+
+
+def scheme(engine: str) -> str:
+    """Return what theory has to know of an engine: "late", "unknown" or "leapfrog"."""
+    return "late" if engine in LATE else "unknown" if engine in UNKNOWN else "leapfrog"
+
+
+def theory_of(rest: System, engine: str) -> Theory:
+    """Return the largest stable step of small motions of a system at rest in an engine's scheme."""
+    try:
+        codes = linear_packing(rest).largest_step()
+    except NoTheory as reason:
+        return Theory(exact=None, note=str(reason), guess=formula_limit(rest))
+    if scheme(engine) == "unknown":
+        return Theory(exact=None, note="another scheme than the leapfrog: nothing derived", guess=codes)
+    exact = linear_packing(rest, late=True).largest_step() if scheme(engine) == "late" else codes
+    return Theory(exact=exact, note="", guess=exact or codes)
 
 
 def linear_packing(system: System, *, late: bool = False) -> Packing:

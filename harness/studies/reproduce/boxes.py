@@ -124,6 +124,19 @@ def rate_points(
     ]
 
 
+def rate_words(points: Sequence[RatePoint], *, what: str) -> str:
+    """Say how much `what` changes from the second slowest drive to the slowest, over quantities and engines."""
+    last = {}
+    for a, b in zip(points, points[1:], strict=False):
+        if (a.quantity, a.ours.engine) == (b.quantity, b.ours.engine):
+            last[b.quantity, b.ours.engine] = b.ours.value / a.ours.value - 1.0
+    known = [change for change in last.values() if np.isfinite(change)]
+    if not known:
+        return "No test ran at two rates."
+    low, high = 100 * min(known), 100 * max(known)
+    return f"From the second slowest drive to the slowest the {what} changes by {low:+.1f} to {high:+.1f} %."
+
+
 def mean_line(runs: Mapping[int, BoxRun], value: Callable[[BiaxialCurves], np.ndarray], **facts) -> Line:
     """Return a curve against axial strain in per cent: mean over packings, band of its standard error."""
     first = next(iter(runs.values())).curves.strain

@@ -3,8 +3,8 @@
     sigma_zz = K p_x + 2 c sqrt(K),  K = (1 + sin phi)/(1 - sin phi)        (Mohr-Coulomb, two pressures)
     c ~ 1.8e-3 (k_2 - k_1)/(1 + k_2/k_c)                                    (the talk, under "macro cohesion")
 
-(k_2 - k_1)/(1 + k_2/k_c) is the largest pull f_min of a contact over its largest overlap. Stresses of the line are those
-that the walls measured. Packing k of both pressures has the same radii, so each packing gives its own phi and c.
+(k_2 - k_1)/(1 + k_2/k_c) is the largest pull f_min of a contact over its largest overlap. Stresses of the line are
+those that the walls measured. Packing k of both pressures has the same radii, so each packing gives its own phi and c.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from harness.studies.reproduce.boxes import (
     measure_box,
     number_over_packings,
     rate_points,
+    rate_words,
     rerun_of,
     shipped,
     varied,
@@ -90,7 +91,8 @@ def run(ask: Ask) -> Result:
     rates = [point for r, p in rated for point in _rate_points(made, planned, p, r)]
     of_main = [c for c in planned if c.scene.top.duration == main]
     return Result(
-        rows=tuple(rows), rates=tuple(rates), rate_words=_rate_words(rates), runs=study_runs(made),
+        rows=tuple(rows), rates=tuple(rates), rate_words=rate_words(rates, what="plateau stress"),
+        runs=study_runs(made),
         checks=tuple(box_checks(made, of_main, (PLATEAU,), rerun_of("cohesion", ask))),
         pictures=_pictures(made, lines, main), words=_words(rows), unsupported=unsupported(made),
         tables={"Tests": _test_rows(made, of_main)},
@@ -131,7 +133,7 @@ def pull(ratio: str) -> float:
 
 
 def slope(lines: Mapping[tuple[str, str], Mapping[str, Measured]], engine: str) -> Measured:
-    """Return s of c = s (k_2 - k_1)/(1 + k_2/k_c), least squares through the origin over k_c > 0, packing by packing."""
+    """Return s of c = s (k_2 - k_1)/(1 + k_2/k_c), by least squares over k_c > 0, packing by packing."""
     adhesive = [r for r in RATIOS if RATIOS[r]]
     values = [lines[engine, r]["cohesion"].values for r in adhesive]
     count = min(len(v) for v in values)
@@ -158,7 +160,8 @@ def _line_rows(lines: Mapping, ask: Ask) -> list[Row]:
     quick, angle = ask.size == "quick", Within(ANGLE_TOLERANCE)
     goals = {r: Within(COHESION_TOLERANCE, relative=True) if RATIOS[r] else Spread() for r in RATIOS}
     found = [
-        compared(f"talk_macro_cohesion_{_key(r)}", of["cohesion"], goals[r], quick=quick) for (_, r), of in lines.items()
+        compared(f"talk_macro_cohesion_{_key(r)}", of["cohesion"], goals[r], quick=quick)
+        for (_, r), of in lines.items()
     ]
     return found + [
         compared(f"talk_macro_angle_{_key(r)}", of["angle"], angle, quick=quick) for (_, r), of in lines.items()
@@ -283,24 +286,12 @@ def _range(parts: Sequence[float]) -> str:
     return f"{100 * min(parts):+.0f} to {100 * max(parts):+.0f} %"
 
 
-def _rate_words(points) -> str:
-    """Say how much the slowest two drives differ."""
-    changes = []
-    for a, b in zip(points, points[1:], strict=False):
-        if (a.quantity, a.ours.engine) == (b.quantity, b.ours.engine):
-            changes.append((b, (b.ours.value - a.ours.value) / a.ours.value))
-    last = {(b.quantity, b.ours.engine): change for b, change in changes}
-    if not last:
-        return "No test ran at two rates."
-    return f"From the second slowest drive to the slowest the plateau changes by {_range(list(last.values()))}."
-
-
 STUDY = Study(
     name="cohesion",
     title="Cohesion without friction: plateau stresses, friction angle, macroscopic cohesion",
-    claim="bi-axial compression at p_x = 100 and 500 with k_c/k_2 = 0, 1/2, 1, 2, 4: the plateau stress sigma_zz of all "
-    "ten, a geometrical friction angle of 13 degrees, and a macroscopic cohesion c = 11, 32, 40, 60, 71 that grows as "
-    "1.8e-3 (k_2 - k_1)/(1 + k_2/k_c)",
+    claim="bi-axial compression at p_x = 100 and 500 with k_c/k_2 = 0, 1/2, 1, 2, 4: the plateau stress sigma_zz of "
+    "all ten, a geometrical friction angle of 13 degrees, and a macroscopic cohesion c = 11, 32, 40, 60, 71 that grows "
+    "as 1.8e-3 (k_2 - k_1)/(1 + k_2/k_c)",
     source="S. Luding, 'Shear banding in granular materials', pages 'Bi-axial compression with p_x = const.' and "
     "'Cohesion - no friction'",
     sizes={

@@ -61,7 +61,11 @@ def over_packings(engine: str, values: Sequence[float]) -> Measured:
 
 def compared(name: str, ours: Measured, goal: Goal, *, quick: bool = False, note: str = "") -> Row:
     """Return the row of a value of `reference.values` by its name. quick: see `SMALL`. note: put behind the reason."""
-    talk = published_values()[name]
+    return held_against(published_values()[name], ours, goal, quick=quick, note=note)
+
+
+def held_against(talk: Published, ours: Measured, goal: Goal, *, quick: bool = False, note: str = "") -> Row:
+    """Return the row of a value that is not tabulated, as a closed form at the numbers of a scene."""
     deviation, tolerance = ours.value - talk.value, _tolerance(goal, ours, talk)
     verdict, why = _verdict(goal, ours, talk, deviation, tolerance, quick=quick)
     return Row(

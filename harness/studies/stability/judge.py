@@ -128,10 +128,8 @@ def measure(invariant: Invariant, seen: Seen, twins: Mapping[str, Seen | None]) 
     cut = seen.up_to(invariant.until)
     size, says = None, kind.says
     try:
-        if kind.twins:
-            size = kind.measure(cut, invariant, _twin(invariant, twins))
-        else:
-            size = kind.measure(cut, invariant)
+        others = (_twin(invariant, twins),) if kind.twins else ()
+        size = kind.measure(cut, invariant, *others)
     except NotKnown as missing:
         says = f"{kind.says}: not measured, {missing}"
     return Held(

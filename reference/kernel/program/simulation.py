@@ -3,6 +3,9 @@
 The list of pairs is looked at after every interval of steps. If by then two nodes could have closed a gap of one skin,
 a contact may have been missed: the interval is taken back and made again from a new list. Margins make that rare, the
 look afterwards makes it safe.
+
+Between two looks nothing moves further than half the smallest radius, so that no body passes another unseen; where a
+list had a pair nearly so deep, centres inside other bodies are looked for then (`reference.kernel.guards`).
 """
 
 from __future__ import annotations
@@ -13,15 +16,16 @@ from dataclasses import replace
 import numpy as np
 
 from reference.kernel.corrected import simulate
+from reference.kernel.guards import KernelUnstable, longest_way, refuse_centres_inside, refuse_leap
 from reference.kernel.interactions import Forces, Interaction
 from reference.kernel.model import Model
 from reference.kernel.program.compose import DIMENSIONS, can_compose, one_step, spin_unit
 from reference.kernel.program.corrected import history_rows, take_last_forces
 from reference.kernel.program.memory import memories
 from reference.kernel.program.nodes import Nodes
-from reference.kernel.program.pairs import BLOCK, PairList, normals
+from reference.kernel.program.pairs import BLOCK, PairList, Remembered, normals
 from reference.kernel.program.rings import TurningRings
-from reference.kernel.simulation import KernelUnstable, Simulation
+from reference.kernel.simulation import Simulation
 from reference.kernel.state import State
 from reference.kernel.vectors import dot
 from reference.kernel.walls import MovingWalls
@@ -50,6 +54,7 @@ class ProgramSimulation:
         self._textbook = Simulation(model, skin=skin)
         self.skin = self._textbook.skin
         self.rebuilds = 0
+        self._longest_way = longest_way(model)
         state = self._textbook.state
         if model.convention.scheme == "leapfrog":
             self._textbook_forgets_forces()
@@ -104,12 +109,33 @@ class ProgramSimulation:
             self._let_go()
             self._advance_checked(min(self._interval, end - self.walls.step))
 
+    # --- to go on in another process -----------------------------------------------------------
+
+    def kept(self) -> dict[str, np.ndarray]:
+        """Return what the coming steps depend on, as arrays by name, for `take`."""
+        remembered = self._pairs.remembered(self.nodes.count)
+        return {
+            **{f"nodes_{k}": values for k, values in enumerate(self.nodes.snapshot())},
+            "walls": np.array(self.walls.snapshot()), "walls_here": self.walls.here.copy(), "keys": remembered.keys,
+            **{f"history_{name}": values for name, values in remembered.history.items()},
+        }
+
+    def take(self, kept: dict[str, np.ndarray]) -> None:
+        """Go on from what `kept` of a simulation of the same model returned, to the same last bit."""
+        self._let_go()
+        self.nodes.restore([kept[name] for name in sorted(kept) if name.startswith("nodes_")])
+        self.walls.restore([tuple(row) for row in kept["walls"].tolist()])
+        self.walls.here[:] = kept["walls_here"]
+        history = {n.removeprefix("history_"): v for n, v in kept.items() if n.startswith("history_")}
+        self._renew(self.skin, Remembered(keys=kept["keys"], history=history))
+
     # --- the guarded interval ------------------------------------------------------------------
 
     def _advance_checked(self, steps: int) -> None:
         """Make a few steps, and make them again from a new list if a contact could have been missed.
 
         A list that may not last is renewed before the next steps and not at once: its contacts hold the last forces.
+        After a leap fewer steps are made.
         """
         if self._renewal_is_due:
             self._renew(self.skin)
@@ -119,13 +145,34 @@ class ProgramSimulation:
             self._program.run(steps)
             self.walls.step = start + steps
             moved = self._largest_move()
-            if 2.0 * moved < self._list_skin:
+            leapt = moved > self._longest_way and self._leapt(kept, steps)
+            if not leapt and 2.0 * moved < self._list_skin:
                 break
             self._restore(kept)
-            skin = 2.0 * skin if start == self._built_in_step else skin
+            steps = steps // 2 if leapt else steps
+            skin = 2.0 * skin if start == self._built_in_step and not leapt else skin
             self._renew(skin)
         self._refuse_passed_walls()
+        if self._deepest + 2.0 * moved >= 0.0:
+            self._refuse_centres_inside()
         self._look_ahead(moved, steps)
+
+    def _leapt(self, kept: tuple, steps: int) -> bool:
+        """Return whether a body moved too far in these steps; raise if it did in a single one."""
+        places = kept[0][0]
+        if steps > 1:
+            return self.nodes.largest_distance(places) > self._longest_way
+        self._refuse_passed_walls()
+        refuse_leap(self.model, self.nodes.places(places), self.nodes.places(), self.walls.step)
+        return False
+
+    def _refuse_centres_inside(self) -> float:
+        """Return how deep the deepest pair of bodies is; raise if a centre is inside another body."""
+        i, j = self._pairs.i, self._pairs.j
+        bodies = (j < self.model.wall_nodes.start) | (j >= self.model.wall_nodes.stop)
+        radius = self._textbook.state.radius
+        return refuse_centres_inside(
+            self.model, self.nodes.places(), radius, i[bodies], j[bodies], self.walls.step)
 
     def _look_ahead(self, moved: float, steps: int) -> None:
         """Decide whether the list is renewed before the next interval, and how long that is."""
@@ -138,11 +185,12 @@ class ProgramSimulation:
             self._interval = max(int(left / (LOOKAHEAD * pace)), CHECK_EVERY)
         self._moved = moved
 
-    def _renew(self, skin: float) -> None:
-        """Find the pairs anew and compose the program for them."""
+    def _renew(self, skin: float, old: Remembered | None = None) -> None:
+        """Find the pairs anew and compose the program for them. old: what is remembered, else of the pairs of now."""
         if not np.isfinite(self.nodes.place_vector).all():
             raise KernelUnstable(f"step {self.walls.step}: a position is no longer a finite number")
-        old = None if self._pairs is None else self._pairs.remembered(self.nodes.count)
+        if old is None and self._pairs is not None:
+            old = self._pairs.remembered(self.nodes.count)
         self._pairs, self._program, state = None, None, self._textbook.state
         rows = {family: memory.rows for family, memory in self._memories.items()} | history_rows(self.model)
         self._pairs = PairList(
@@ -152,6 +200,7 @@ class ProgramSimulation:
             self._take_memories()
         else:
             self._pairs.inherit(old, self.nodes.count)
+        self._deepest = self._refuse_centres_inside()
         self._program = one_step(self.model, self.nodes, self.walls, self.rings, self._pairs)
         self._built_at, self._built_in_step = self.nodes.place_vector.copy(), self.walls.step
         self._list_skin, self._moved, self._interval, self._renewal_is_due = skin, 0.0, CHECK_EVERY, False

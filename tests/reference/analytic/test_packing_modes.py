@@ -201,6 +201,19 @@ def test_late_springs_need_a_dashpot(pair):
     assert damped.largest_step() == pytest.approx(0.1 / 0.5, rel=2e-3)
 
 
+@pytest.mark.parametrize("damping", [0.02, 0.3, 1.0])
+def test_late_springs_of_a_packing_against_all_eigenvalues(damping):
+    rng = np.random.default_rng(8)
+    x, _, c = random_packing(rng, 2)
+    packing = Packing(
+        mass=np.ones(len(x)), inertia=np.full(len(x), 0.5), contacts=c, springs=Elements(normal=1.0, tangential=0.5),
+        late=Elements(tangential=0.5), dashpots=Elements(normal=damping, tangential=damping),
+    )
+    limit = packing.largest_step()
+    assert packing.growth(0.99 * limit) < 1 + 1e-6
+    assert packing.growth(1.01 * limit) > 1 + 1e-6
+
+
 def test_late_springs_are_springs(pair):
     with pytest.raises(ValueError, match="late springs"):
         pair(springs=Elements(normal=1.0), late=Elements(tangential=0.5))

@@ -21,6 +21,10 @@ GENTLE, FAINT = 1e-3, 1e-4
 """Largest displacement by the kick over the overlap: of regular columns, and where contacts only just touch."""
 
 
+FINE, COARSE = 0.02, (0.08, 0.04)
+"""dt_fraction: of the study, and of the regular column again to show what the step does."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Extent:
     """One size of the study. crossings: how often shear waves cross the column. widths: of the disorder."""
@@ -34,18 +38,19 @@ class Extent:
 
 
 EXTENTS: dict[Size, Extent] = {
-    "quick": Extent(layers=200, across=4, widths=(0.5, 1.0), samples=3, crossings=1.0, frames=300),
-    "paper": Extent(layers=400, across=4, widths=(0.25, 0.5, 0.75, 1.0), samples=8, crossings=1.0, frames=600),
+    "quick": Extent(layers=200, across=4, widths=(0.5, 1.0), samples=3, crossings=1.0, frames=240),
+    "paper": Extent(layers=400, across=4, widths=(0.25, 0.5, 0.75, 1.0), samples=8, crossings=1.0, frames=480),
 }
 
 
 @dataclass(frozen=True, kw_only=True)
 class Setting:
-    """What a case is: its column, whether it has friction springs, the width of its disorder and its sample's number."""
+    """What a case is: its column, with friction springs or without; width of its disorder, number of its sample; its step."""
 
     column: Column
     width: float = 0.0
     sample: int = 0
+    dt_fraction: float = FINE
 
     @property
     def rough(self) -> bool:
@@ -57,7 +62,8 @@ class Setting:
         """The case's name."""
         if self.width:
             return f"disorder {self.width:g}, sample {self.sample + 1}"
-        return "regular, friction springs" if self.rough else "regular, no friction"
+        name = "regular, friction springs" if self.rough else "regular, no friction"
+        return name if self.dt_fraction == FINE else f"{name}, step {self.dt_fraction:g}"
 
     @property
     def word(self) -> str:
@@ -81,7 +87,8 @@ def settings_of(ask: Ask) -> list[Setting]:
     smooth, rough = (Column(material=m, layers=extent.layers, across=extent.across) for m in (SMOOTH, ROUGH))
     disordered = [Setting(column=smooth, width=w, sample=k)
                   for w in extent.widths for k in range(ask.packings or extent.samples)]
-    return [Setting(column=smooth), Setting(column=rough), *disordered]
+    coarse = [Setting(column=smooth, dt_fraction=f) for f in COARSE]
+    return [Setting(column=smooth), Setting(column=rough), *disordered, *coarse]
 
 
 def cases_of(ask: Ask) -> Sequence[Case]:
@@ -91,7 +98,8 @@ def cases_of(ask: Ask) -> Sequence[Case]:
 
 def _case(ask: Ask, setting: Setting) -> Case:
     extent, column, sample = EXTENTS[ask.size], setting.column, setting.packing()
-    look = Look(duration=extent.crossings * column.box[2] / column.material.waves().shear_speed, frames=extent.frames)
+    look = Look(duration=extent.crossings * column.box[2] / column.material.waves().shear_speed, frames=extent.frames,
+                dt_fraction=setting.dt_fraction)
     name = f"sound_{ask.size}_{setting.word}"
     path = _written(ask.out / "scenes", name, setting, look, sample)
     return Case(name=setting.name, scene=load_scene(path), file=path, packings=1)

@@ -1,0 +1,143 @@
+"""The report of the gauntlet: a page, a picture, and the same numbers as CSV and JSON."""
+
+from __future__ import annotations
+
+import base64
+import shlex
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from harness.errors import InputError
+from harness.report.page import Entry, Figure, Section, render_page
+from harness.report.stability_figure import CAPTION, stability_figure
+from harness.report.stability_tables import TABLES, count_rows, outcome_matrix, outcome_table, tables
+from harness.report.tables import Answer, csv_text
+
+if TYPE_CHECKING:
+    from harness.studies.stability.cases import Case
+    from harness.studies.stability.judge import Result
+    from harness.studies.stability.study import Stability
+
+PAGE, DATA, PICTURE = "stability.html", "stability.json", "stability.png"
+
+MATRIX_NOTE = (
+    "Stable: every invariant held. Degraded: one is beyond its tolerance, and the answer still means something. "
+    "Failed loudly: the code stopped and said why. Failed silently: the code ended as if all were well, and it was not; "
+    "the harness found it. Refused: the scene is turned down before anything runs. Beside the word stands the invariant "
+    "that used most of its tolerance."
+)
+SILENT_NOTE = "These runs ended with status 0 and no message. What they leave behind must not be used."
+INVARIANT_NOTE = (
+    "Computed from the recorded trajectories, not by the codes. Formulas and sources stand with the functions in "
+    "harness/studies/stability/invariants.py."
+)
+
+
+def stability_answer(stability: Stability) -> Answer:
+    """Return the tables for people and everything for programs."""
+    shown = {"How each case ended": outcome_table(stability), "Count": count_rows(stability)}
+    return Answer(tables=shown, data=stability_data(stability))
+
+
+def stability_data(stability: Stability) -> dict:
+    """Return all tables with all digits, and the machine."""
+    from msgspec import to_builtins
+
+    return {
+        "exit_status": stability.exit_status, "engines": list(stability.engines), "host": to_builtins(stability.host),
+        "wall_seconds": stability.wall_seconds, "surprises": [[r.case, r.engine] for r in stability.surprises],
+        "tables": tables(stability),
+    }
+
+
+def case_list(cases: tuple[Case, ...]) -> Answer:
+    """Return what `--list` shows: the cases, what they stand for and why they are hard."""
+    rows = [
+        {
+            "case": c.name, "set": "long" if c.expect.long else "standard", "topics": ", ".join(c.expect.topics),
+            "title": c.title,
+        }
+        for c in cases
+    ]
+    return Answer(tables={"Hard cases": rows}, data={"cases": rows})
+
+
+def write_stability(stability: Stability, out: Path) -> Path:
+    """Write stability.html, .json, .png and CSV tables into `out`, each whole or not at all; return the page."""
+    from harness.report.figures import png_bytes
+    from harness.runs.atomic import write_bytes_atomic, write_json_atomic, write_text_atomic
+
+    out.mkdir(parents=True, exist_ok=True)
+    picture = png_bytes(stability_figure(stability), dpi=110)
+    for name, rows in tables(stability).items():
+        write_text_atomic(out / f"{name}.csv", csv_text(rows))
+    write_bytes_atomic(out / PICTURE, picture)
+    write_json_atomic(out / DATA, stability_data(stability))
+    uri = f"data:image/png;base64,{base64.b64encode(picture).decode()}"
+    page = render_page(
+        title="Hard cases: stable, or failing loudly?", lead=f"{summary(stability)}.",
+        sections=_sections(stability, Figure(uri=uri, caption=CAPTION)),
+    )
+    write_text_atomic(out / PAGE, page)
+    return out / PAGE
+
+
+def check_places(out: Path) -> None:
+    """Raise InputError when a folder stands where a file of the report goes: before anything is run."""
+    for place in (out / name for name in (PAGE, DATA, PICTURE, *(f"{name}.csv" for name in TABLES))):
+        if place.is_dir():
+            raise InputError(
+                file=place, expected="a file or nothing, as the report goes there", got="a folder",
+                fix="move it away or name another --out",
+            )
+
+
+def summary(stability: Stability) -> str:
+    """Return one line: how many cases, how many ended otherwise than declared, how many silently."""
+    silent = sum(r.ended == "failed_silently" for r in stability.results)
+    other = len(stability.surprises)
+    return (
+        f"{len(stability.cases)} hard cases on {', '.join(stability.engines)}: "
+        f"{'all ended as declared' if not other else f'{other} ended otherwise than declared'}; "
+        f"{'no run' if not silent else f'{silent} runs' if silent > 1 else 'one run'} failed without a word of the code"
+    )
+
+
+def _sections(stability: Stability, figure: Figure) -> list[Section]:
+    found = tables(stability)
+    silent = tuple(_entry(r) for r in stability.results if r.ended == "failed_silently")
+    surprising = tuple(_entry(r) for r in stability.surprises if r.ended != "failed_silently")
+    sections = [Section(heading="Count", rows=count_rows(stability))]
+    if surprising:
+        sections.append(Section(heading="Not as declared", entries=surprising))
+    if silent:
+        sections.append(Section(heading="Failed silently", note=SILENT_NOTE, entries=silent))
+    return [
+        *sections,
+        Section(heading="Outcomes", note=MATRIX_NOTE, matrices=(outcome_matrix(stability),)),
+        Section(heading="At a glance", figures=(figure,)),
+        Section(heading="Why", rows=[_why(r) for r in stability.results if r.reason and r.ended != "refused"]),
+        Section(heading="Cases", rows=found["cases"]),
+        Section(heading="Invariants", note=INVARIANT_NOTE, rows=found["invariants"]),
+        Section(heading="Reproduce", text=_command(stability)),
+    ]
+
+
+def _entry(result: Result) -> Entry:
+    known = f" Declared so: {result.known}" if result.as_declared and result.known else ""
+    return Entry(
+        word=result.ended, title=f"{result.case} on {result.engine}", why=f"{result.reason}.{known}",
+        command=result.reproduce,
+    )
+
+
+def _why(result: Result) -> dict:
+    return {
+        "case": result.case, "engine": result.engine, "outcome": result.ended, "reason": result.reason,
+        "declared because": result.known,
+    }
+
+
+def _command(stability: Stability) -> str:
+    names = [c.name for c in stability.cases]
+    return shlex.join(["grainproof", "stability", *names, "--engines", ",".join(stability.engines)])

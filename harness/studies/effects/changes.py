@@ -1,0 +1,133 @@
+"""What a switch changes in an answer, with its error, in units of the error bar, against a tolerance.
+
+Variants start from the same packings, so their changes are paired (`harness.studies.statistics.difference`)::
+
+    change = mean over packings of (variant - as declared)/scale, error of it s/sqrt(n)
+    in bars = change/bar, bar = spread over packings of the scene as declared/scale (a standard deviation)
+
+From one packing a time average has the standard errors of both runs, in quadrature, and its own as the bar. A free
+scene has no spread: its changes are exact, the bar is the tolerance.
+
+    agrees        the change is shown to be smaller than the tolerance (equivalence, one-sided level 5 %)
+    differs       it is shown to be larger, or the quantity is gone
+    inconclusive  neither; so many packings would be expected to show that it is smaller
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from harness.studies.effects.quantities import DEVIATIONS
+from harness.studies.effects.variants import BASE
+from harness.studies.statistics.difference import Difference, half_width, paired_difference
+from harness.studies.statistics.family import Measured
+from harness.studies.statistics.power import equivalence_p, replicates_to_equate
+
+LEVEL = 0.05
+MANY = 1e6
+"""Degrees of freedom of an error that is as good as known."""
+
+Verdict = Literal["agrees", "differs", "inconclusive"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Change:
+    """One quantity of one variant. base, value: means in `unit`, None where there is none.
+
+    relative, error: the change and its standard error over the scale, None where not known. bar: see the module,
+    relative. packings: how many. needed: packings that would show it to be small, None for no number.
+    """
+
+    variant: str
+    quantity: str
+    unit: str
+    base: float | None
+    value: float | None
+    relative: float | None
+    error: float | None
+    bar: float | None
+    verdict: Verdict
+    why: str
+    packings: int
+    needed: int | None = None
+
+    @property
+    def in_bars(self) -> float | None:
+        """The change in units of the error bar; None without a bar."""
+        return None if self.relative is None or not self.bar else self.relative / self.bar
+
+
+def changes_of(quantities: Sequence[Measured], variants: Sequence[str], tolerance: float) -> list[Change]:
+    """Return the change of every quantity by every variant, in this order."""
+    return [change_of(m, v, tolerance) for v in variants for m in quantities if m.of(BASE)]
+
+
+def change_of(m: Measured, variant: str, tolerance: float) -> Change:
+    """Return the change of one quantity by one variant."""
+    base, values = m.of(BASE), m.of(variant)
+    both = sorted(set(base) & set(values))
+    facts = {"variant": variant, "quantity": m.quantity, "unit": m.unit, "packings": len(both),
+             "base": float(np.mean(list(base.values())))}
+    if not both:
+        return Change(**facts, value=None, relative=None, error=None, bar=None, verdict="differs",
+                      why="the quantity is gone, or no run of it completed")
+    a, b = (np.array([of[k] for k in both]) for of in (values, base))
+    facts["value"] = float(a.mean())
+    scale = _scale(m, base)
+    if not scale > 0.0:
+        return Change(**facts, relative=None, error=None, bar=None, verdict="inconclusive", why="its size is 0")
+    found, bar = _difference(m, a, b, variant, both), _bar(m, base, tolerance * scale)
+    numbers = {"relative": float(a.mean() - b.mean()) / scale, "bar": None if bar is None else bar / scale}
+    if found is None:
+        return Change(**facts, **numbers, error=None, verdict="inconclusive", why="one packing has no error bar")
+    gone = f"; gone in {len(base) - len(both)} of {len(base)} packings" if len(both) < len(base) else ""
+    verdict, why, needed = judged(found, tolerance * scale)
+    return Change(
+        **facts, **numbers, error=found.error / scale, verdict="differs" if gone else verdict, why=why + gone,
+        needed=needed,
+    )
+
+
+def judged(difference: Difference, margin: float) -> tuple[Verdict, str, int | None]:
+    """Return the verdict of a difference against a margin in its unit, why, and the packings that would settle it."""
+    if equivalence_p(difference, margin) <= LEVEL:
+        return "agrees", "within the tolerance", None
+    width = half_width(difference, 2.0 * LEVEL)
+    if abs(difference.value) - width > margin or (width == 0.0 and abs(difference.value) >= margin):
+        return "differs", "beyond the tolerance", None
+    needed = replicates_to_equate(difference, margin, LEVEL) if difference.count > 1 else None
+    more = f"; about {needed} packings would show that it is within" if needed else ""
+    return "inconclusive", f"these packings cannot tell{more}", needed
+
+
+def _scale(m: Measured, base: dict[int, float]) -> float:
+    return m.scale if m.scale is not None else abs(float(np.mean(list(base.values()))))
+
+
+def _difference(
+    m: Measured, a: np.ndarray, b: np.ndarray, variant: str, packings: Sequence[int]
+) -> Difference | None:
+    """Return the mean difference with its error; None where nothing tells an error."""
+    if m.quantity in DEVIATIONS and len(a) == 1:
+        return Difference(value=float(a[0] - b[0]), error=0.0, dof=MANY, count=1, paired=True)
+    if len(a) > 1:
+        return paired_difference(a, b)
+    own = [m.errors.get(of, {}).get(packings[0], math.nan) for of in (variant, BASE)]
+    error = math.hypot(*own)
+    if not math.isfinite(error):
+        return None
+    return Difference(value=float(a[0] - b[0]), error=error, dof=MANY, count=1, paired=True)
+
+
+def _bar(m: Measured, base: dict[int, float], tolerance: float) -> float | None:
+    """Return the error bar of the scene as declared, in the quantity's unit; None where there is none."""
+    if m.quantity in DEVIATIONS:
+        return tolerance
+    if len(base) > 1:
+        return float(np.std(list(base.values()), ddof=1))
+    return m.run_error(BASE)
