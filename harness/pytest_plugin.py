@@ -81,8 +81,8 @@ def grainproof_compare(tmp_path_factory) -> Callable[..., Verdicts]:
     """grainproof_compare(scene file, engines=..., out=...) runs a comparison and returns its `Verdicts`.
 
     engines: names as on the command line, "lammps,kernel" or a list; default: lammps, liggghts, kernel. packings,
-    workers, time_limit (s a run): as on the command line. out: where runs and report go and finished runs are found
-    again; default: a temporary folder. Input that is wrong fails the test with the line that says so.
+    replicates, workers, time_limit (s a run): as on the command line. out: where runs and report go and finished runs
+    are found again; default: a temporary folder. Input that is wrong fails the test with the line that says so.
     """
 
     def run(scene: str | Path, *, out: str | Path | None = None, **settings) -> Verdicts:
@@ -111,7 +111,7 @@ def grainproof_needs() -> Callable[..., None]:
 
 def _compared(
     scene: Path, out: Path, *, engines: str | Sequence[str] = (), packings: int | None = None,
-    workers: int | None = None, time_limit: float = 3600.0,
+    replicates: int | None = None, workers: int | None = None, time_limit: float = 3600.0,
 ) -> Verdicts:
     from harness.engines.registry import USUAL, choose_engines
     from harness.report.compare import check_report_places, summary, write_report
@@ -121,7 +121,8 @@ def _compared(
     words = [w for w in engines.split(",") if w] if isinstance(engines, str) else list(engines)
     check_report_places(out)
     done = compare(
-        scene, choose_engines(words or list(USUAL)), out, packings=packings, workers=workers, time_limit=time_limit
+        scene, choose_engines(words or list(USUAL)), out, packings=packings, replicates=replicates, workers=workers,
+        time_limit=time_limit,
     )
     faults = tuple(
         f"{e.word}: {e.title}: {e.why}" + (f"\n  rerun: {e.command}" if e.command else "")

@@ -123,3 +123,14 @@ def test_a_suite_that_uses_none_of_it_pays_for_none_of_it(suite):
 def test_it_is_found_by_pytest():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     assert project["entry-points"]["pytest11"] == {"grainproof": "harness.pytest_plugin"}
+
+
+def test_replicates_are_those_of_the_command_line(tmp_path, monkeypatch):
+    from harness.studies import compare as study
+
+    asked = {}
+    monkeypatch.setattr(study, "compare", lambda *_, **settings: asked.update(settings) or 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        _compared(OBLIQUE, tmp_path, engines="lammps,kernel", replicates=8)
+    assert asked["replicates"] == 8
+    assert asked["packings"] is None

@@ -38,8 +38,9 @@ FLOOR_NOTE = (
     "packings, or larger ones, do."
 )
 FRONT_NOTE = (
-    "No other setting of any knob or engine is both faster and better, by its error with one standard error added; the "
-    "front is drawn there. Errors here are those of whole settings: against the limit of all asked knobs together, so with what the other knobs leave at their declared values."
+    "No other setting of any knob or engine is both faster and better, its error with one standard error added; there "
+    "the front is drawn. Errors here are those of whole settings: against the limit of all asked knobs together, so "
+    "with what the other knobs leave at their declared values."
 )
 RUNG_NOTE = (
     "CPU time is that of the engine's own process for one whole test, set-up and output taken off as far as the engine "

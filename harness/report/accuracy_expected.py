@@ -8,10 +8,34 @@ from pathlib import Path
 from harness.engines.protocol import Engine, takes
 from harness.report.expected import Expected, likely_system, longest_first, packing_seconds, run_seconds
 from harness.runs.outcome import usable_cores
-from harness.scene.model import Scene
-from harness.studies.accuracy.asked import Asked
-from harness.studies.accuracy.bulk_plan import bare_settings
+from harness.scene.explain import time_row
+from harness.scene.load import load_scene
+from harness.scene.model import Free, Scene
+from harness.scene.system import System
+from harness.studies.accuracy.asked import Asked, asked_all
+from harness.studies.accuracy.bulk import bulk_engines, packing_count
+from harness.studies.accuracy.bulk_plan import Setting, bare_settings
 from harness.studies.accuracy.turn import stepped_system
+
+OWN = ("own", 0.0)
+"""The setting that all knobs share."""
+
+
+def announcement(
+    scene_file: Path, *, knob: str | None, ladder: Sequence[float] | None, quantity: str | None,
+    engines: Sequence[str] | None, packings: int | None, workers: int | None,
+) -> str:
+    """Return a line on how long a study takes, "" of free scenes, which take seconds. Raises InputError."""
+    scene = load_scene(scene_file)
+    if isinstance(scene, Free):
+        return ""
+    wanted = asked_all(scene, scene_file, knob=knob, ladder=ladder, quantity=quantity)
+    expected = expected_bulk(
+        scene, scene_file, wanted, bulk_engines(engines, wanted), packings=packing_count(scene, packings),
+        workers=workers,
+    )
+    row = time_row("accuracy", expected.seconds, expected.says)
+    return f"expected: about {row.text} for {row.note}"
 
 
 def expected_bulk(
@@ -19,19 +43,25 @@ def expected_bulk(
     workers: int | None = None,
 ) -> Expected:
     """Return what all settings of all knobs take on the engines that are there, as `run_many` shares runs out."""
-    settings = [s for s in bare_settings(scene, wanted) if s.width is None]
-    systems = {}
-    for setting in settings:
-        system = likely_system(setting.scene, file)
-        stepped = setting.knob in ("dt", "scheme") and not setting.own
-        systems["own" if setting.own else (setting.knob, setting.value)] = (
-            stepped_system(setting.scene, system, setting.value) if stepped else system
-        )
-    able = [e for e in engines if e.probe().available and takes(e, likely_system(scene, file))]
+    settings = {_name(s): s for s in bare_settings(scene, wanted) if s.width is None}
+    systems = {name: _likely(s, file) for name, s in settings.items()}
+    own = likely_system(scene, file)
+    able = [e for e in engines if e.probe().available and takes(e, own)]
     costs = [run_seconds(e, s) for s in systems.values() for e in able] * packings
-    workers = max(1, min(workers or usable_cores(), len(costs)))
-    packed = sum(packing_seconds(s.scene, likely_system(s.scene, file)) for s in settings if s.knob not in ("dt", "scheme"))
+    at_once = max(1, min(workers or usable_cores(), len(costs)))
+    packed = sum(packing_seconds(s.scene, systems[n]) for n, s in settings.items() if s.knob not in ("dt", "scheme"))
     return Expected(
-        seconds=packed * packings / workers + longest_first(costs, workers), runs=len(costs), packings=packings,
-        at_once=workers,
+        seconds=packed * packings / at_once + longest_first(costs, at_once), runs=len(costs),
+        packings=packings, at_once=at_once,
     )
+
+
+def _name(setting: Setting) -> tuple[str, float]:
+    return OWN if setting.own else (setting.knob, setting.value)
+
+
+def _likely(setting: Setting, file: Path) -> System:
+    system = likely_system(setting.scene, file)
+    if setting.knob in ("dt", "scheme") and not setting.own:
+        return stepped_system(setting.scene, system, setting.value)
+    return system

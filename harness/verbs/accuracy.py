@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 from harness.arguments import as_count, as_folder, as_numbers, as_seconds
@@ -40,14 +41,20 @@ def add(verbs) -> None:
 
 def _accuracy(options) -> int:
     from harness.report.accuracy import check_places
+    from harness.report.accuracy_expected import announcement
     from harness.runs.progress import progress_for
     from harness.studies.accuracy import accuracy
 
     check_places(options.out)
+    asked = {
+        "engines": options.engines, "knob": options.knob, "ladder": options.ladder, "quantity": options.quantity,
+        "packings": options.packings, "workers": options.workers,
+    }
+    expected = announcement(options.file, **asked)
+    if expected:
+        print(expected, file=sys.stderr, flush=True)
     done = accuracy(
-        options.file, options.out, engines=options.engines, knob=options.knob, ladder=options.ladder,
-        quantity=options.quantity, phases=options.phases, packings=options.packings, time_limit=options.time_limit,
-        workers=options.workers, progress=progress_for,
+        options.file, options.out, **asked, phases=options.phases, time_limit=options.time_limit, progress=progress_for
     )
     answer, page, words = _reported(done, options.out)
     show(answer, options)

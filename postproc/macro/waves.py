@@ -7,7 +7,7 @@ The layers n = 0 .. N-1 of a periodic column, a distance l apart, have the mean 
 A mode of a linear column is a sum of a few oscillations. Their frequencies are those for which least squares of
 cosines and sines (times exp(-G t) where decay is asked for) leave the smallest residual; amplitudes are linear and are
 solved for at every trial (variable projection: G. H. Golub, V. Pereyra, SIAM J. Numer. Anal. 10, 413 (1973)). The start
-is the least-squares spectrum, which needs no whole number of periods (N. R. Lomb, Astrophys. Space Sci. 39, 447 (1976)).
+is the least-squares spectrum, which needs no whole number of periods (N. R. Lomb, Astrophys. Space Sci. 39, 447, 1976).
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ def modes(means: np.ndarray) -> np.ndarray:
 
 
 def oscillations(signals: np.ndarray, time: np.ndarray, count: int, *, decaying: bool = False) -> Oscillation:
-    """Return the `count` oscillations that channels (C, F), complex or real, have in common, evenly spaced in time (F,).
+    """Return the `count` oscillations that channels (C, F), complex or real, share; time (F,) is evenly spaced.
 
     decaying: each falls with exp(-G t) (grows where G < 0). Raises ValueError for fewer frames than unknowns.
     """

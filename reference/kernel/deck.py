@@ -16,6 +16,7 @@ from reference.kernel.conventions import NAMED, Convention
 from reference.kernel.laws.law import Law
 from reference.kernel.laws.registry import LAWS, build_law
 from reference.kernel.model import Constant, Cosine, Fixed, Loaded, Model, Ring, Wall
+from reference.kernel.origin import near_origin
 
 DECK, PARTICLES, RINGS = "kernel.json", "particles.csv", "rings.csv"
 RING_COLUMNS = ("ring", "x", "y", "radius")
@@ -41,11 +42,12 @@ def particle_columns(dimension: int) -> list[str]:
 
 
 def read_deck(folder: Path) -> tuple[Model, Plan]:
-    """Return the problem and the plan of a run folder."""
+    """Return the problem, told from its middle if that is far from the origin, and the plan of a run folder."""
     deck = json.loads((folder / DECK).read_text())
     columns = particle_columns(deck["dimension"])
     glued = _columns(folder / RINGS, RING_COLUMNS) if "rings" in deck else {}
-    return _model(deck, _columns(folder / PARTICLES, columns), glued), Plan(**deck["plan"])
+    model = _model(deck, _columns(folder / PARTICLES, columns), glued)
+    return near_origin(model), Plan(**deck["plan"])
 
 
 def _columns(path: Path, names: Sequence[str]) -> dict[str, np.ndarray]:

@@ -139,7 +139,8 @@ class Ring:
 class Model:
     """A DEM problem. x, v: (dim, N); spin: (1|3, N); radius, mass, inertia: (N,). SI units.
 
-    With `rotations` (2D) the state carries the angle that every particle has turned.
+    With `rotations` (2D) the state carries the angle that every particle has turned. All places are told relative to
+    `origin` (dim,), m: see `near_origin`; None is zero.
     Raises ValueError for torsion resistance in 2D, for rings in 3D and for rings in a box with periodic axes.
     """
 
@@ -161,6 +162,7 @@ class Model:
     periodic: tuple[float, ...] | None = None
     rotations: bool = False
     rings: tuple[Ring, ...] = ()
+    origin: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
         if self.rings and (self.dimension != 2 or self.periodic is not None):

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from reference.kernel.model import Model
+from reference.kernel.origin import placed
 from reference.kernel.simulation import Simulation
 
 SERIES, FRAMES = "series.csv", "frames.h5"
@@ -158,7 +159,7 @@ def particle_table(simulation: Simulation) -> dict[str, np.ndarray]:
     spins = ["wz"] if m.dimension == 2 else ["wx", "wy", "wz"]
     return {
         "id": np.arange(1.0, n + 1),
-        **dict(zip(axes, s.x[:, :n], strict=True)),
+        **dict(zip(axes, placed(m, s.x[:, :n]), strict=True)),
         **dict(zip((f"v{a}" for a in axes), s.v[:, :n], strict=True)),
         **dict(zip(spins, s.spin[:, :n], strict=True)),
         "radius": m.radius, "mass": m.mass, "inertia": m.inertia,
@@ -168,9 +169,10 @@ def particle_table(simulation: Simulation) -> dict[str, np.ndarray]:
 
 def wall_table(simulation: Simulation) -> dict[str, np.ndarray]:
     """Columns id, p., n., f. (force of the particles on the wall) of the planes, and of the rings: `_ring_table`."""
-    planes, rings = _plane_table(simulation), _ring_table(simulation)
+    planes = _plane_table(simulation)
     if not simulation.model.rings:
         return planes
+    rings = _ring_table(simulation)
     return _joined(planes, rings) if simulation.model.walls else rings
 
 
@@ -179,7 +181,7 @@ def _plane_table(simulation: Simulation) -> dict[str, np.ndarray]:
     axes = "xyz"[: m.dimension]
     return {
         "id": np.arange(1.0, len(s.wall_d) + 1),
-        **dict(zip((f"p{a}" for a in axes), s.x[:, m.wall_nodes], strict=True)),
+        **dict(zip((f"p{a}" for a in axes), placed(m, s.x[:, m.wall_nodes]), strict=True)),
         **dict(zip((f"n{a}" for a in axes), s.wall_normal, strict=True)),
         **dict(zip((f"f{a}" for a in axes), s.wall_force, strict=True)),
     }
@@ -188,8 +190,9 @@ def _plane_table(simulation: Simulation) -> dict[str, np.ndarray]:
 def _ring_table(simulation: Simulation) -> dict[str, np.ndarray]:
     """Columns id (counted on from the planes), p. (centre), radius (of the circle), f., torque about the centre."""
     m, loads = simulation.model, ring_loads(simulation)
+    centres = placed(m, np.array([ring.centre for ring in m.rings]).T)
     numbers = {
-        "px": [ring.centre[0] for ring in m.rings], "py": [ring.centre[1] for ring in m.rings],
+        "px": centres[0], "py": centres[1],
         "radius": [ring.circle for ring in m.rings], "fx": [load.force[0] for load in loads],
         "fy": [load.force[1] for load in loads], "torque": [load.torque for load in loads],
     }
@@ -219,7 +222,7 @@ def _contact_rows(simulation: Simulation, interaction, forces) -> dict[str, np.n
     c = forces.contact
     axes = "xyz"[: m.dimension]
     reach = s.radius[c.i] - c.overlap * (0.5 if interaction.walls is None else 1.0)
-    point = s.x[:, c.i] - reach * c.n
+    point = placed(m, s.x[:, c.i] - reach * c.n)
     rows = {
         "i": c.i + 1.0,
         "j": _partners(m)[c.j],

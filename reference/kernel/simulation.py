@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from reference.kernel.guards import KernelUnstable, refuse_centres_inside, refuse_leap
+from reference.kernel.guards import KernelUnstable, refuse_centres_inside, refuse_leaps
 from reference.kernel.interactions import Forces, Interaction
 from reference.kernel.laws.contact import Touching
 from reference.kernel.model import Model
@@ -27,8 +27,8 @@ SKIN_IN_RADII = 0.1
 class Simulation:
     """A running system; `advance()` makes one step.
 
-    Raises KernelUnstable when a particle centre passes a wall or gets inside another body, when a particle moves so far
-    in a step that it could pass another unseen (`reference.kernel.guards`), and when a number is no longer finite.
+    Raises KernelUnstable when a particle centre passes a wall or gets inside another body, when a particle moves
+    through another in one step (`reference.kernel.guards`), and when a number is no longer finite.
     """
 
     def __init__(self, model: Model, *, skin: float | None = None):
@@ -147,7 +147,7 @@ class Simulation:
     def refuse_what_laws_cannot_tell(self, before: np.ndarray) -> None:
         """Raise after a leap from the places `before`, and when a centre is inside another body."""
         s, m = self.state, self.model
-        refuse_leap(m, before, s.x, s.step)
+        refuse_leaps(m, before, s.x, s.radius, s.step)
         for pairs in (k.pairs for k in self.interactions if k.walls is None):
             refuse_centres_inside(m, s.x, s.radius, pairs.i, pairs.j, s.step)
 

@@ -49,7 +49,10 @@ class WholeKernel:
         return TimedKernel(name=self.name, evaluation="program", convention=self.convention, note="")
 
 
+NO_RUBBING = (("False",), "every wall says whether it rubs: none does when no law turns particles any more")
+
 IN_PLACE = {
+    **dict.fromkeys(("sliding friction", "rolling resistance", "torsion resistance"), NO_RUBBING),
     "damping attraction": (
         ("clipped", "normal damping: maximum"),
         "to clip is the word, and an operation: without it the dashpot may pull"

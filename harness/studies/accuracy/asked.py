@@ -209,8 +209,9 @@ def _rungs(scene: Scene, knob: Knob, ladder: Sequence[float] | None) -> tuple[fl
     if knob.words:
         return ()
     values = tuple(_usual(scene, knob)) if ladder is None else tuple(ladder)
+    whole = set(values) if isinstance(scene, Free) else {*values, knob.own(scene)}
     distinct = len(set(values))
-    if not FEWEST <= distinct == len(values) <= MOST:
+    if distinct != len(values) or not FEWEST <= len(whole) <= MOST:
         got = "one rung" if distinct == 1 else f"{len(values)} rungs, {distinct} of them different"
         raise InputError(
             file="--ladder", expected=f"{FEWEST} to {MOST} different values of {knob.value}", got=got,
@@ -222,7 +223,6 @@ def _rungs(scene: Scene, knob: Knob, ladder: Sequence[float] | None) -> tuple[fl
     broken = [v for v in values if knob.whole and v != round(v)]
     if broken:
         raise InputError(file="--ladder", expected=f"whole numbers ({knob.value})", got=f"{broken[0]:g}")
-    whole = {*values, knob.own(scene)} if not isinstance(scene, Free) else values
     return tuple(sorted(whole, key=knob.x, reverse=True))
 
 

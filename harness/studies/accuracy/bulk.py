@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from harness.engines.registry import ENGINES, KERNEL_PREFIX, choose_engines
-from harness.engines.registry import USUAL as USUAL_ENGINES
 from harness.errors import InputError
 from harness.runs.folder import runs_root
 from harness.runs.outcome import Host, host_facts
@@ -35,6 +34,9 @@ from harness.studies.prepare import draws_packings
 if TYPE_CHECKING:
     from harness.engines.protocol import Engine
     from harness.runs.progress import Progress
+
+USUAL_ENGINES = ("lammps", "liggghts", "kernel:talk")
+"""Of the kernel one convention: after chaos all give the same statistics."""
 
 PACKINGS: dict[type, int] = {Biaxial: 8, Couette: 2}
 """Usual number of packings: of boxes as many as show a friction angle's spread, of rings what takes minutes."""
@@ -99,8 +101,8 @@ def bulk_accuracy(
 ) -> BulkAccuracy:
     """Climb all ladders. Raises InputError for what cannot be, before anything is written."""
     begun, own, since = time.monotonic(), time.process_time(), datetime.now(UTC)
-    chosen = _engines(engines, wanted)
-    count = _packing_count(scene, packings)
+    chosen = bulk_engines(engines, wanted)
+    count = packing_count(scene, packings)
     planned = plan(scene, scene_file, wanted, count, out / "packings", workers=workers, progress=progress)
     done = _run(planned, chosen, out, time_limit=time_limit, workers=workers, progress=progress)
     measured = _measure(planned, done)
@@ -119,7 +121,7 @@ def bulk_accuracy(
     )
 
 
-def _engines(words: Sequence[str] | None, wanted: Sequence[Asked]) -> tuple[Engine, ...]:
+def bulk_engines(words: Sequence[str] | None, wanted: Sequence[Asked]) -> tuple[Engine, ...]:
     """Return the engines: the usual ones unless named; of the knob `scheme` the kernel in all its conventions."""
     if words:
         return choose_engines(list(words))
@@ -128,7 +130,8 @@ def _engines(words: Sequence[str] | None, wanted: Sequence[Asked]) -> tuple[Engi
     return choose_engines(list(USUAL_ENGINES))
 
 
-def _packing_count(scene: Biaxial | Couette, packings: int | None) -> int:
+def packing_count(scene: Biaxial | Couette, packings: int | None) -> int:
+    """Return how many packings are made. Raises InputError for what gives no spread."""
     if not draws_packings(scene):
         raise InputError(
             file="--packings", expected="a scene whose particles are drawn at random", got="particles from a file",

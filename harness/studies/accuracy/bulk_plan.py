@@ -61,11 +61,16 @@ def plan(
 
     A rung that cannot be packed has a reason in place of systems. Raises InputError if the scene itself cannot.
     """
-    lean = _lean(scene)
-    bare = [s for one in wanted for s in _settings(lean, one)]
+    lean, bare = _lean(scene), bare_settings(scene, wanted)
     seconds = _pack([lean, *(s.scene for s in bare)], file, packings, cache, workers, progress)
     own = _systems(lean, file, packings, cache)
     return Packed(settings=tuple(_filled(s, own, file, packings, cache) for s in bare), seconds=seconds)
+
+
+def bare_settings(scene: Scene, wanted: Sequence[Asked]) -> tuple[Setting, ...]:
+    """Return the settings of all knobs, without systems."""
+    lean = _lean(scene)
+    return tuple(s for one in wanted for s in _settings(lean, one))
 
 
 def _lean(scene: Scene) -> Scene:

@@ -8,7 +8,7 @@ There is no exact friction angle of a packing. What there is: values y_i on rung
 
 Everything is formed packing by packing, so that what a packing does to all rungs alike cancels. A limit is linear in
 the values, y_0 = sum w_i y_i; its standard error is that of sum w_i y_ik over packings k. Cases, told apart by
-Student's t on such sums over the finest three rungs:
+tests of such sums over the finest three rungs:
 
     flat           they differ by no more than noise: y_0 is their mean, its error the difference that noise can hide
     extrapolated   they differ, and what is left of the line in x^p with the expected p is noise: least squares. Else,
@@ -34,6 +34,9 @@ USED = 3
 
 LEVEL = 0.05
 """Probability of taking noise for a difference between rungs."""
+
+ROUNDING = 1e-12
+"""Of the values: what rounding leaves of a difference."""
 
 State = Literal["extrapolated", "outside", "flat"]
 
@@ -136,7 +139,7 @@ def _choose(x: np.ndarray, values: np.ndarray, expected: float):
     if count == USED:
         order = find_order(x, values)
         shown = f"; they show {order.value:.2f} +- {order.error:.2g}" if order else ""
-        if not _differs(np.tensordot(_bend(x, expected), values, axes=1)):
+        if not _differs(np.tensordot(_bend(x, expected), values, axes=1), ROUNDING * np.abs(values).max()):
             says = f"{count} rungs, order {expected:g} as expected{shown}"
             return "extrapolated", power_weights(x, expected), expected, none, says
         if order is not None and order.error < 0.5 * order.value:
@@ -153,36 +156,34 @@ def _choose(x: np.ndarray, values: np.ndarray, expected: float):
 
 
 def _bend(x: np.ndarray, order: float) -> np.ndarray:
-    """Return c (3,) so that sum c_i y_i = 0 for every y_0 + c x^p: what three rungs are off a line in x^p."""
+    """Return c (3,) so that sum c_i y_i = 0 for every y_0 + a x^p: what three rungs are off a line in x^p."""
     u = x**order
-    return np.array([u[2] - u[1], u[0] - u[2], u[1] - u[0]])
+    return np.array([u[2] - u[1], u[0] - u[2], u[1] - u[0]]) / (u[2] - u[0])
 
 
 def _apart(weights: np.ndarray, others: np.ndarray, values: np.ndarray) -> np.ndarray:
     return np.tensordot(weights - others, values.mean(axis=1), axes=1)
 
 
-def _differs(apart: np.ndarray) -> bool:
-    """Whether differences (n, S) over packings are more than noise: Student's t, two-sided at LEVEL.
+def _differs(apart: np.ndarray, rounding: float = 0.0) -> bool:
+    """Whether differences (n, S) over packings are more than noise, at LEVEL; of one number this is Student's t.
 
-    Of several numbers, on each packing's share along the mean of all others, so that noise is not compared with itself.
+    Of several: n |mean|^2/tr V > F(nu, nu (n - 1)), V the covariance, nu = tr(V)^2/tr(V^2) how many of them are of
+    their own (G. E. P. Box, Ann. Math. Stat. 25, 290 (1954)). rounding: size of a mean that is none.
     """
-    from scipy.stats import t
+    from scipy.stats import f
 
-    along = apart[:, 0] if apart.shape[1] == 1 else _crossed(apart)
-    n = len(along)
-    error = along.std(ddof=1) / np.sqrt(n)
-    if error == 0.0:
-        return bool(along.mean() != 0.0)
-    return bool(abs(along.mean()) > t.isf(LEVEL / 2.0, n - 1) * error)
-
-
-def _crossed(apart: np.ndarray) -> np.ndarray:
-    """Return (K,) shares of differences (K, S) along the mean of all the others."""
-    total, n = apart.sum(axis=0), len(apart)
-    others = (total - apart) / (n - 1)
-    length = np.linalg.norm(others, axis=1)
-    return (apart * others).sum(axis=1) / np.where(length > 0.0, length, 1.0)
+    n, mean = len(apart), apart.mean(axis=0)
+    size = float(mean @ mean)
+    if size <= rounding**2 * len(mean):
+        return False
+    rest = apart - mean
+    gram = rest @ rest.T / (n - 1)
+    trace, square = float(np.trace(gram)), float((gram**2).sum())
+    if trace == 0.0:
+        return True
+    own = trace**2 / square
+    return bool(n * size / trace > f.isf(LEVEL, own, own * (n - 1)))
 
 
 def _projected(x: np.ndarray, values: np.ndarray) -> np.ndarray:

@@ -11,14 +11,14 @@ scene has no spread: its changes are exact, the bar is the tolerance.
     agrees        the change is shown to be smaller than the tolerance (equivalence, one-sided level 5 %)
     differs       it is shown to be larger, or the quantity is gone
     inconclusive  neither; so many packings would be expected to show that it is smaller
+    not_checked   a run of the switched scene failed
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -27,12 +27,11 @@ from harness.studies.effects.variants import BASE
 from harness.studies.statistics.difference import Difference, half_width, paired_difference
 from harness.studies.statistics.family import Measured
 from harness.studies.statistics.power import equivalence_p, replicates_to_equate
+from harness.studies.verdict import Verdict
 
 LEVEL = 0.05
 MANY = 1e6
 """Degrees of freedom of an error that is as good as known."""
-
-Verdict = Literal["agrees", "differs", "inconclusive"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,20 +61,22 @@ class Change:
         return None if self.relative is None or not self.bar else self.relative / self.bar
 
 
-def changes_of(quantities: Sequence[Measured], variants: Sequence[str], tolerance: float) -> list[Change]:
-    """Return the change of every quantity by every variant, in this order."""
-    return [change_of(m, v, tolerance) for v in variants for m in quantities if m.of(BASE)]
+def changes_of(
+    quantities: Sequence[Measured], variants: Sequence[str], tolerance: float, failed: Mapping[str, str]
+) -> list[Change]:
+    """Return the change of every quantity by every variant, in this order. failed: why runs did, by variant."""
+    return [change_of(m, v, tolerance, failed.get(v, "")) for v in variants for m in quantities if m.of(BASE)]
 
 
-def change_of(m: Measured, variant: str, tolerance: float) -> Change:
-    """Return the change of one quantity by one variant."""
+def change_of(m: Measured, variant: str, tolerance: float, failed: str = "") -> Change:
+    """Return the change of one quantity by one variant. failed: why a run of it did, "" if none did."""
     base, values = m.of(BASE), m.of(variant)
     both = sorted(set(base) & set(values))
     facts = {"variant": variant, "quantity": m.quantity, "unit": m.unit, "packings": len(both),
              "base": float(np.mean(list(base.values())))}
-    if not both:
-        return Change(**facts, value=None, relative=None, error=None, bar=None, verdict="differs",
-                      why="the quantity is gone, or no run of it completed")
+    if failed or not both:
+        return Change(**facts, value=None, relative=None, error=None, bar=None,
+                      verdict="not_checked" if failed else "differs", why=failed or "the quantity is gone")
     a, b = (np.array([of[k] for k in both]) for of in (values, base))
     facts["value"] = float(a.mean())
     scale = _scale(m, base)

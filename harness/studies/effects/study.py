@@ -78,10 +78,14 @@ class EffectsStudy:
 
     @property
     def exit_status(self) -> int:
-        """1 when something of an effect that is off was found, off was not zero, or the scene itself did not run."""
+        """1 when something of an effect that is off was found, off was not zero, or a run broke.
+
+        A switched scene may be unstable: that is an answer. The scene as declared may not.
+        """
         checks = [*(f.verdict for f in self.footprints), *(z.verdict for z in self.zeros)]
-        ran = any(o.status == "completed" for o in self.outcomes.get(BASE, ()))
-        return 0 if ran and self.chosen and "differs" not in checks else 1
+        ran = all(o.status == "completed" for o in self.outcomes.get(BASE, ()))
+        broken = any(o.status in ("crashed", "timed_out") for of in self.outcomes.values() for o in of)
+        return 0 if ran and not broken and self.chosen and "differs" not in checks else 1
 
     def whole_ratio(self, engine: str, variant: str) -> float | None:
         """Return the time of a whole run over that of the scene as declared: cost of a step times number of steps."""
@@ -135,7 +139,7 @@ def effects_study(
         wanted.engines, {n: s[0] for n, s in systems.items()}, out / "times", progress=frame.show()
     )
     answered = _answers(frame, systems)
-    changes = changes_of(measured(scene, answered.runs), list(systems)[1:], wanted.tolerance)
+    changes = changes_of(measured(scene, answered.runs), list(systems)[1:], wanted.tolerance, answered.failed)
     smallest, reduced = _smallest(frame, variants, changes, costs, systems, answered)
     steps = {n: s[0].steps for n, s in systems.items()}
     if smallest.left_out:
@@ -198,6 +202,12 @@ class _Answered:
     runs: tuple[VariantRun, ...]
     outcomes: Mapping[str, tuple[Outcome, ...]]
 
+    @property
+    def failed(self) -> dict[str, str]:
+        """What became of the first run that did not complete, by variant."""
+        bad = {name: next((o for o in of if o.status != "completed"), None) for name, of in self.outcomes.items()}
+        return {name: f"{o.status.replace('_', ' ')}: {o.reason}" for name, o in bad.items() if o is not None}
+
 
 def _answers(frame: _Frame, systems: Mapping[str, Sequence[System]]) -> _Answered:
     """Run every system on the engine that answers; a system that several variants share is run once."""
@@ -234,7 +244,7 @@ def _smallest(
     def run(names: tuple[str, ...]) -> list[Change]:
         reduced = without(frame.scene, names, grains)
         tried = _answers(frame, {REDUCED: systems_of(reduced, frame.file, frame.starts)})
-        found = changes_of(measured(frame.scene, [*base, *tried.runs]), [REDUCED], frame.asked.tolerance)
+        found = changes_of(measured(frame.scene, [*base, *tried.runs]), [REDUCED], frame.asked.tolerance, tried.failed)
         wanted = [c for c in found if c.quantity in frame.asked.quantities]
         return [replace(c, variant=f"without {', '.join(names)}") for c in wanted]
 

@@ -59,7 +59,7 @@ def spring(*, ratio: float = RATIO, damping: float = 0.0, friction: float = GRIP
     return SpringSliding(shear_friction=friction, shear_stiffness=ratio * STIFFNESS, shear_damping=dashpot(damping))
 
 
-def hertz(**more) -> HertzNormal:
+def hertz(restitution: float) -> HertzNormal:
     """The modulus at which the slope of the force is STIFFNESS where linear springs overlap by OVERLAP RADIUS.
 
     Slope 2 E* sqrt(R* d) of two of RADIUS, E* = E/(2 (1 - nu^2)).
@@ -67,7 +67,7 @@ def hertz(**more) -> HertzNormal:
     nu = 0.3
     modulus = STIFFNESS * (1 - nu**2) / math.sqrt(RADIUS / 2 * OVERLAP * RADIUS)
     return HertzNormal(
-        youngs_modulus=modulus, poisson_ratio=nu, attraction="allowed", impact_speed=1e-3, **({"restitution": 1.0} | more)
+        youngs_modulus=modulus, poisson_ratio=nu, restitution=restitution, attraction="allowed", impact_speed=1e-3,
     )
 
 
@@ -95,9 +95,9 @@ ROLLING = LawCase(
         rolling=SpringRolling(rolling_friction=GRIP, rolling_stiffness=STIFFNESS, rolling_damping=0.0),
     ),
 )
-HERTZ = LawCase(name="hertz", contact=Contact(normal=hertz()))
+HERTZ = LawCase(name="hertz", contact=Contact(normal=hertz(1.0)))
 MINDLIN = LawCase(
-    name="hertz, mindlin", contact=Contact(normal=hertz(restitution=0.7), sliding=MindlinSliding(shear_friction=GRIP))
+    name="hertz, mindlin", contact=Contact(normal=hertz(0.7), sliding=MindlinSliding(shear_friction=GRIP))
 )
 HYSTERETIC = LawCase(
     name="hysteretic", linear=False,

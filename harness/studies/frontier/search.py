@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from harness.engines.protocol import Engine
 
-PRECISION = 0.005
+PRECISION = 0.01
 """Width of the bracket at the end, over its middle."""
 
 FIRST = 0.03

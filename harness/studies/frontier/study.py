@@ -191,12 +191,14 @@ def _cases(*, full: bool) -> list[_Case]:
 
 
 def _planned(cases: list[_Case], engines: Sequence[Engine], cache: Path):
-    """Return every search, and what is left out and why."""
+    """Return every search, and what is left out and why. The map is that of the leapfrog of the codes."""
     plan, skipped = [], []
     for case in cases:
         rest = resting_system(case.packing, case.packing.make(cache), case.law)
         known = {late: theory_of(rest, engine) for late, engine in _schemes(engines, rest).items()}
         for engine in _distinct(engines, rest):
+            if case.axis and scheme(engine.name) != "leapfrog" and turning(rest):
+                continue
             reason = _refusal(engine, rest)
             if reason:
                 skipped.append((engine.name, case.law.name, case.packing.name, reason))

@@ -1,4 +1,4 @@
-"""What theory says of a packing's largest step: springs and dashpots of its contacts, linear about the state at rest."""
+"""What theory says of a packing's largest step: springs and dashpots of its contacts, linear about rest."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def linear_packing(system: System, *, late: bool = False) -> Packing:
     masses = _reduced(system.particles.mass, contacts)
     normal, along, pressing = _normal_elements(system, overlap, contacts.reduced, masses)
     springs, dashpots = {"normal": normal}, {"normal": along}
-    for family, made in _turning_elements(system, overlap, contacts.reduced, masses, normal, along).items():
+    for family, made in _turning_elements(system, normal, along).items():
         springs[family], dashpots[family] = made
     p = system.particles
     held = {k: v for k, v in springs.items() if k != "normal" and v is not None}
@@ -130,7 +130,7 @@ def _hertz(law: HertzNormal, radius: np.ndarray) -> np.ndarray:
     return np.array([hertz_stiffness(effective_modulus=modulus, effective_radius=r) for r in radius])
 
 
-def _turning_elements(system: System, overlap, radius, mass, normal, along) -> dict[str, tuple]:
+def _turning_elements(system: System, normal, along) -> dict[str, tuple]:
     """Return springs and dashpots of sliding, rolling and torsion, as far as there are any."""
     made = {}
     sliding = system.sliding

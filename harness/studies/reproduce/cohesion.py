@@ -157,8 +157,8 @@ def _plateau_rows(made: Sequence[Made], ask: Ask, main: float) -> list[Row]:
 
 
 def _line_rows(lines: Mapping, ask: Ask) -> list[Row]:
-    quick, angle = ask.size == "quick", Within(ANGLE_TOLERANCE)
-    goals = {r: Within(COHESION_TOLERANCE, relative=True) if RATIOS[r] else Spread() for r in RATIOS}
+    quick, angle = ask.size == "quick", Within(tolerance=ANGLE_TOLERANCE)
+    goals = {r: Within(tolerance=COHESION_TOLERANCE, relative=True) if RATIOS[r] else Spread() for r in RATIOS}
     found = [
         compared(f"talk_macro_cohesion_{_key(r)}", of["cohesion"], goals[r], quick=quick)
         for (_, r), of in lines.items()
@@ -171,7 +171,7 @@ def _line_rows(lines: Mapping, ask: Ask) -> list[Row]:
 def _slope_rows(lines: Mapping, ask: Ask) -> list[Row]:
     engines = dict.fromkeys(e for e, _ in lines)
     return [
-        compared("talk_cohesion_slope", slope(lines, e), Within(COHESION_TOLERANCE, relative=True),
+        compared("talk_cohesion_slope", slope(lines, e), Within(tolerance=COHESION_TOLERANCE, relative=True),
                  quick=ask.size == "quick")
         for e in engines
     ]

@@ -156,7 +156,7 @@ NO_NUMBER = "the talk prints no number"
 
 
 def _angle_rows(angles: Mapping[str, Mapping[str, Measured]], *, quick: bool) -> list[Row]:
-    goal = Within(ANGLE_TOLERANCE)
+    goal = Within(tolerance=ANGLE_TOLERANCE)
     held = [
         compared(value, of[name], goal, quick=quick) for name, value in VALUES.items()
         for of in angles.values() if name in of

@@ -16,7 +16,7 @@ from dataclasses import replace
 import numpy as np
 
 from reference.kernel.corrected import simulate
-from reference.kernel.guards import KernelUnstable, longest_way, refuse_centres_inside, refuse_leap
+from reference.kernel.guards import KernelUnstable, longest_way, refuse_centres_inside, refuse_leaps
 from reference.kernel.interactions import Forces, Interaction
 from reference.kernel.model import Model
 from reference.kernel.program.compose import DIMENSIONS, can_compose, one_step, spin_unit
@@ -158,12 +158,13 @@ class ProgramSimulation:
         self._look_ahead(moved, steps)
 
     def _leapt(self, kept: tuple, steps: int) -> bool:
-        """Return whether a body moved too far in these steps; raise if it did in a single one."""
+        """Return whether a body moved too far in these steps; raise if a single one took it through another."""
         places = kept[0][0]
         if steps > 1:
             return self.nodes.largest_distance(places) > self._longest_way
         self._refuse_passed_walls()
-        refuse_leap(self.model, self.nodes.places(places), self.nodes.places(), self.walls.step)
+        radius = self._textbook.state.radius
+        refuse_leaps(self.model, self.nodes.places(places), self.nodes.places(), radius, self.walls.step)
         return False
 
     def _refuse_centres_inside(self) -> float:

@@ -89,8 +89,8 @@ def test_the_skin_does_not_show_with_periodic_axes(dem):
 
 
 def bullet(dem, skin, speed=2000.0):
-    """A particle that flies 0.9 radii a step at a row of others, past one and onto the next."""
-    x = [[0.0, 0.0], [30.0, 1.95], [60.0, -1.9], [90.0, 0.0]]
+    """A particle that flies 0.9 radii a step along a row of others, past one and at the next."""
+    x = [[0.0, 0.0], [30.0, 1.95], [60.0, -1.9], [90.0, 1.3]]
     m = dem.model(x, v=[[speed, 0.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]], kn=1e6, mu=0.3, mass=[50.0, 1.0, 1.0, 1.0],
                   dt=0.9 / speed)
     return dem.Simulation(m, skin=skin)

@@ -239,7 +239,8 @@ def test_periodic_axes_without_walls(tmp_path, capsys):
 
 
 @pytest.mark.parametrize(("particles", "message"), [
-    (PARTICLES.replace("0,-5,0", "0,-1e6,0"), "by step 5: the centre of particle 3 has passed wall 'floor'"),
+    (PARTICLES.replace("0,-5,0", "0,-1e6,0"),
+     "step 1: particle 3 moves 400 of its radii in one step, through particle 1; take shorter steps or a lower speed"),
     (PARTICLES.replace("1.8999999999999999,", "-1.9,"), "step 0: the centre of particle 3 has passed wall 'side'"),
 ])
 def test_an_unstable_run_says_so_and_leaves_no_finished_file(tmp_path, capsys, particles, message):

@@ -1,8 +1,8 @@
 """`sound`: waves along a column of spheres, in the third dimension; regular against the closed form, then disordered.
 
-One layer of a periodic face-centred cubic column under pressure is kicked, along the column and across it, with friction
-springs also into a spin. Every mode of the layers then swings with the frequencies of its wave; long waves give the
-speeds c_P and c_S. Sizes that differ by a part in a thousand open contacts: waves get slower and lose their order.
+One layer of a periodic face-centred cubic column under pressure is kicked, along the column and across it, with
+friction springs also into a spin. Every mode of the layers then swings with the frequencies of its wave; long waves give
+the speeds c_P and c_S. Sizes that differ by a part in a thousand open contacts: waves get slower and lose their order.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ from harness.studies.reproduce.sound.numbers import (
 )
 
 RATE_WORDS = (
-    "Single waves run slower than long ones by (k l)^2/24 and more; the speeds above are extrapolated to k = 0. Steps of "
-    "a leapfrog raise a frequency w by (w dt)^2/24, so that halving the step quarters what is above 1."
+    "Single waves run slower than long ones by (k l)^2/24 and more; the speeds above are extrapolated to k = 0. Steps "
+    "of a leapfrog raise a frequency w by (w dt)^2/24, so that halving the step quarters what is above 1."
 )
 
 
@@ -43,7 +43,7 @@ def run(ask: Ask) -> Result:
         named[case.name], trajectory, system))
     runs = runs_by_case(made)
     return Result(
-        rows=tuple([*speed_rows(settings, runs), *disorder_rows(settings, runs)]),
+        rows=(*speed_rows(settings, runs), *disorder_rows(settings, runs)),
         rates=tuple(convergence(settings, runs)), rate_words=RATE_WORDS,
         checks=tuple(checks(settings, runs, _rerun(ask))), pictures=charts(settings, runs),
         tables={"Attenuation": attenuation_rows(settings, runs)}, words=_words(settings, runs), runs=study_runs(made),
@@ -75,18 +75,18 @@ def _rerun(ask: Ask):
 def _words(settings: Sequence[Setting], runs: MadeBy) -> tuple[str, ...]:
     material = SMOOTH
     said = [
-        "The transcript names the subject (3-dimensional modelling of sound propagation, P-wave shape and speed) and no "
-        f"number. The set-up is that of the papers as recalled: radius {1e3 * material.radius:g} mm, density "
-        f"{material.density:g} kg/m^3, k = {material.stiffness:g} N/m, overlap {material.overlap:g} of the radius; what "
-        "decides is the closed form, which holds for any set-up. It counts the pressure: a pressed contact pushes its "
-        "spheres further aside, so that c_P falls by F/(2 k D) and c_S by three times as much.",
+        "The transcript names the subject (3-dimensional modelling of sound propagation, P-wave shape and speed) and "
+        f"no number. The set-up is that of the papers as recalled: radius {1e3 * material.radius:g} mm, density "
+        f"{material.density:g} kg/m^3, k = {material.stiffness:g} N/m, overlap {material.overlap:g} of the radius; "
+        "what decides is the closed form, which holds for any set-up. It counts the pressure: a pressed contact pushes "
+        "its spheres further aside, so that c_P falls by F/(2 k D) and c_S by three times as much.",
     ]
     rough = regular(settings)[-1]
     arms = {e: closed_form(rough, e).arms for e in engines_in([rough], runs)}
     if len({round(a, 12) for a in arms.values()}) > 1:
         said.append(
-            "With friction springs the codes do not compute the same waves, and must not: where slip is measured at the "
-            "radius (LAMMPS) spinning waves are faster than where it is measured at the contact, by delta/(4 R). Every "
+            "With friction springs the codes do not compute the same waves, and must not: where slip is measured at "
+            "the radius (LAMMPS) spinning waves are faster than where it is measured at the contact, by delta/(4 R). Every "
             "engine is held against the closed form with its own lever arms; long waves are the same for all."
         )
     said += [_slowing(width, samples, runs) for width, samples in disordered(settings).items()]
@@ -124,7 +124,8 @@ STUDY = Study(
     name="sound", title="Sound in a column of spheres",
     claim="3-dimensional modeling of sound propagation: P-wave shape and speed (no number in the transcript).",
     source="S. Luding, Shear banding in granular materials, slides 'Sound'", values=(),
-    sizes={size: _declared(size) for size in EXTENTS}, engines=("lammps", "liggghts", "kernel"), run=run, cases=cases_of,
+    sizes={size: _declared(size) for size in EXTENTS}, engines=("lammps", "liggghts", "kernel"), run=run,
+    cases=cases_of,
 )
 
 __all__ = ["STUDY", "run"]

@@ -45,7 +45,7 @@ EXTENTS: dict[Size, Extent] = {
 
 @dataclass(frozen=True, kw_only=True)
 class Setting:
-    """What a case is: its column, with friction springs or without; width of its disorder, number of its sample; its step."""
+    """What a case is: its column, with friction springs or without; width of its disorder, its sample; its step."""
 
     column: Column
     width: float = 0.0

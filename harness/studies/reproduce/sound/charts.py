@@ -29,7 +29,8 @@ TOGETHER = 6
 
 def charts(settings: Sequence[Setting], runs: MadeBy) -> tuple[Chart, ...]:
     """Return all charts; of what an engine computes as all others do, that of the first is drawn."""
-    found = [_dispersion(s, runs, f"dispersion_{w}") for s, w in zip(regular(settings), ("smooth", "rough"), strict=True)]
+    named = zip(regular(settings), ("smooth", "rough"), strict=True)
+    found = [_dispersion(s, runs, f"dispersion_{w}") for s, w in named]
     found += [_deviations(settings, runs), _pulse(settings, runs), _speeds(settings, runs), _decays(settings, runs)]
     found += [_transmission(settings, runs)]
     return tuple(c for c in found if c is not None and c.lines)
@@ -39,7 +40,8 @@ def _dispersion(setting: Setting, runs: MadeBy, name: str) -> Chart | None:
     engines = engines_in([setting], runs)
     if not engines:
         return None
-    run, unit = runs[setting.name][engines[0]], np.sqrt(setting.column.material.stiffness / setting.column.material.mass)
+    run, material = runs[setting.name][engines[0]], setting.column.material
+    unit = np.sqrt(material.stiffness / material.mass)
     phase, lines = np.linspace(1e-3, np.pi, 200), []
     for kind, b in run.branches.items():
         lines.append(Line(name=f"{kind}: {engines[0]}", x=b.phase / np.pi, y=b.frequency / unit, error=b.error / unit,
@@ -48,8 +50,8 @@ def _dispersion(setting: Setting, runs: MadeBy, name: str) -> Chart | None:
         lines.append(Line(name=f"{kind}: closed form", x=phase / np.pi, y=curve / unit, look="fit"))
     return Chart(
         name=name, x="wavenumber times distance of layers, k l/pi", y="frequency, w/sqrt(k_n/m)", lines=tuple(lines),
-        caption=f"Dispersion along the cube axis, {setting.name}: {engines[0]}, and the closed form. The other codes lie on "
-        "the same points (next picture).",
+        caption=f"Dispersion along the cube axis, {setting.name}: {engines[0]}, and the closed form. What the other "
+        "codes deviate by is shown apart.",
     )
 
 
@@ -79,19 +81,19 @@ def _pulse(settings: Sequence[Setting], runs: MadeBy) -> Chart | None:
     fine = np.linspace(run.time[0], run.time[-1], 3000)
     for n in STATIONS:
         shown = run.time < _arrival_from_behind(smooth, n)
-        lines.append(Line(name=f"layer {n}: {engines[0]}", x=run.time[shown] / unit, y=run.along[shown, n], look="points"))
-        lines.append(Line(name=f"layer {n}: J_2n", x=fine[fine < run.time[shown][-1]] / unit,
-                          y=waves.pulse(n, fine[fine < run.time[shown][-1]]), look="fit"))
+        at, until = run.time[shown], fine[fine < run.time[shown][-1]]
+        lines.append(Line(name=f"layer {n}: {engines[0]}", x=at / unit, y=run.along[shown, n], look="points"))
+        lines.append(Line(name=f"layer {n}: J_2n", x=until / unit, y=waves.pulse(n, until), look="fit"))
     for width, samples in disordered(settings).items():
         if samples[0].name in runs and engines[0] in runs[samples[0].name]:
             of, n = runs[samples[0].name][engines[0]], STATIONS[-1]
             shown = of.time < _arrival_from_behind(smooth, n)
             lines.append(Line(name=f"layer {n}, disorder {width:g}", x=of.time[shown] / unit, y=of.along[shown, n]))
     return Chart(
-        name="pulse", x="time, c_P t/l (layers that a long wave has passed)", y="mean velocity of the layer over the kick",
-        lines=tuple(lines), caption="A kicked layer sends a pulse of compression along the column: the layers move with "
-        "v_0 J_2n(w_max t), head first and then ever shorter waves. In the disordered column the head comes later and the "
-        "short waves do not arrive.",
+        name="pulse", x="time, c_P t/l (layers that a long wave has passed)", y="velocity of the layer over the kick",
+        lines=tuple(lines), caption="A kicked layer sends a pulse of compression along the column: layers move with "
+        "v_0 J_2n(w_max t), head first and then ever shorter waves. In a disordered column the head comes later and the "
+        "shortest waves do not arrive.",
     )
 
 
@@ -111,7 +113,7 @@ def _speeds(settings: Sequence[Setting], runs: MadeBy) -> Chart:
                               y=np.array([m.value for m in ours]), look="points"))
     return Chart(
         name="disorder_speeds", x="width of the sizes over the overlap, w", y="speed over that of the regular column",
-        lines=tuple(lines), caption="Long waves are slower where contacts have opened; one standard error over samples.",
+        lines=tuple(lines), caption="Long waves are slower where contacts have opened; standard errors over samples.",
     )
 
 
@@ -128,7 +130,8 @@ def _decays(settings: Sequence[Setting], runs: MadeBy) -> Chart:
     for width, samples in disordered(settings).items():
         for engine in engines_in(samples, runs)[:1]:
             phase, mean, error = decay_over_frequency(samples, runs, P, engine)
-            lines.append(Line(name=f"disorder {width:g}: {engine}", x=phase / np.pi, y=mean, error=error, look="points"))
+            name = f"disorder {width:g}: {engine}"
+            lines.append(Line(name=name, x=phase / np.pi, y=mean, error=error, look="points"))
     return Chart(
         name="disorder_decay", x="k l/pi", y="decay of the coherent wave, G/w", lines=tuple(lines),
         caption="A wave of compression loses its order to disorder, the faster the shorter it is: amplitude exp(-G t), "
@@ -153,13 +156,13 @@ def _transmission(settings: Sequence[Setting], runs: MadeBy) -> Chart | None:
                                   error=error))
     return Chart(
         name="transmission", x="frequency over the cut-off", y="spectrum of the layer over that of the regular column",
-        lines=tuple(lines), log_y=True, caption=f"Disorder lets low frequencies pass: what arrives, {engines[0]}, mean and "
-        "standard error over samples.",
+        lines=tuple(lines), log_y=True, caption=f"Disorder lets low frequencies pass: what arrives, {engines[0]}, mean "
+        "and standard error over samples.",
     )
 
 
 def transmission(run, regular_run, n: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return frequencies (B,), rad/s, and the amplitude of layer n over that of the regular column, below its cut-off."""
+    """Return frequencies (B,), rad/s, below the cut-off, and the amplitude of layer n over the regular column's."""
     step = run.time[1] - run.time[0]
     frequency = 2 * np.pi * np.fft.rfftfreq(len(run.time), step)
     ours, theirs = (np.abs(np.fft.rfft(r.along[:, n])) ** 2 for r in (run, regular_run))

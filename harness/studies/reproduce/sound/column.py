@@ -16,8 +16,8 @@ from reference.analytic.fcc_waves import FccColumn
 
 SCENE = """# {title}
 #
-# Written by `grainproof reproduce sound`: {layers} square layers of {across} x {across} spheres, periodic along all axes,
-# pressed together by an overlap of {overlap:g} of the radius; one layer is kicked. `grainproof run` takes it as it is.
+# Written by `grainproof reproduce sound`: {layers} square layers of {across} x {across} spheres, periodic along all
+# axes, pressed together by an overlap of {overlap:g} of the radius; one layer is kicked. `grainproof run` takes it.
 
 kind = "free"
 title = "{title}"
@@ -54,8 +54,8 @@ shear_damping = 0.0
 class Material:
     """Spheres of radius R (m) and density (kg/m^3) on springs k_n, k_t (N/m), mu; overlap delta/R of regular packings.
 
-    The set-up of O. Mouraille, W. A. Mulder, S. Luding, J. Stat. Mech. P07023 (2006), as recalled; the closed forms that
-    decide hold for any. k_t = 0: without friction.
+    The set-up of O. Mouraille, W. A. Mulder, S. Luding, J. Stat. Mech. P07023 (2006), as recalled; the closed forms
+    that decide hold for any. k_t = 0: without friction.
     """
 
     radius: float = 1e-3
@@ -139,9 +139,10 @@ class Look:
 
 
 def write_scene(
-    folder: Path, name: str, title: str, column: Column, kick: Kick, look: Look, *, places: np.ndarray, radius: np.ndarray
+    folder: Path, name: str, title: str, column: Column, kick: Kick, look: Look, *, places: np.ndarray,
+    radius: np.ndarray,
 ) -> Path:
-    """Write ``<name>.toml`` and ``<name>.csv`` below `folder`; places (N, 3), radius (N,), m. Return the scene's file."""
+    """Write ``<name>.toml`` and ``<name>.csv`` below `folder`; places (N, 3), radius (N,), m. Return the scene file."""
     from harness.runs.atomic import write_text_atomic
 
     material = column.material

@@ -1,7 +1,7 @@
 """Weak disorder of sizes: strong disorder of contacts. The packing at rest, and what linear theory says of it.
 
-Radii are R + w delta u, u uniform in (-1, 1), on a lattice whose spacing stays: w is of the order of one while the sizes
-differ by a part in a thousand. The forces then balance where the energy sum k (overlap)^2/2 of a periodic box of fixed
+Radii are R + w delta u, u uniform in (-1, 1), on a lattice whose spacing stays: w is of the order of one while the
+sizes differ by a part in a thousand. The forces then balance where the energy sum k (overlap)^2/2 of a periodic box of fixed
 size is least (Newton's method on the contacts that are closed, which may open and close on the way).
 
 Small waves in this packing follow m u'' = -K u with the dynamic matrix K of its closed contacts, k n n - F/r (1 - n n)
@@ -111,7 +111,7 @@ def linear_velocities(sample: Sample, velocity: np.ndarray, dt: float, every: in
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Bonds:
-    """The bonds in one state: overlap (C,), m, negative where open; normal (C, 3) from second to first; distance (C,)."""
+    """Bonds in one state: overlap (C,), m, negative where open; normal (C, 3) from second to first; distance (C,)."""
 
     places: np.ndarray
     stiffness: float
@@ -122,7 +122,9 @@ class _Bonds:
     distance: np.ndarray
 
     @classmethod
-    def of(cls, column: Column, places: np.ndarray, radius: np.ndarray, first: np.ndarray, second: np.ndarray) -> _Bonds:
+    def of(
+        cls, column: Column, places: np.ndarray, radius: np.ndarray, first: np.ndarray, second: np.ndarray
+    ) -> _Bonds:
         box, apart = np.array(column.box), places[first] - places[second]
         apart -= box * np.round(apart / box)
         distance = np.linalg.norm(apart, axis=1)
@@ -169,7 +171,7 @@ class _Bonds:
 
 
 def _downhill(bonds: _Bonds, column: Column, radius: np.ndarray) -> _Bonds:
-    """Return the bonds after a Newton step, shortened until it lowers the energy; contacts that close on the way count."""
+    """Return the bonds after a Newton step, shortened until it lowers the energy; contacts may close on the way."""
     step, part = _newton(bonds, bonds.force()), 1.0
     while part >= SHORTEST:
         tried = _Bonds.of(column, bonds.places + part * step, radius, bonds.first, bonds.second)

@@ -88,7 +88,7 @@ def closed_form(setting: Setting, engine: str) -> FccColumn:
 
 
 def expected_frequencies(waves: FccColumn, branch: str, phase: np.ndarray, dt: float) -> np.ndarray:
-    """Return the closed form of a branch at phases k l (M,), as a leapfrog in steps of dt has it, rad/s; dt = 0: exact."""
+    """Return the closed form of a branch at phases k l (M,) in a leapfrog's steps of dt, rad/s; dt = 0: exact."""
     wavenumber = np.asarray(phase) / waves.layer
     exact = {
         P: waves.compression, TORSION: waves.torsion, S: lambda k: waves.shear(k)[..., 0],

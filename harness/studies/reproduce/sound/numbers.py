@@ -71,7 +71,7 @@ def disordered(settings: Iterable[Setting]) -> dict[float, list[Setting]]:
 def speed_rows(settings: Sequence[Setting], runs: MadeBy) -> list[Row]:
     """Return the speeds of long waves in regular columns against the closed form."""
     return [
-        held_against(_exact(s, wave), _measured(engine, run.speed[wave]), Within(SPEED_TOLERANCE, relative=True))
+        held_against(_exact(s, wave), _measured(engine, run.speed[wave]), Within(tolerance=SPEED_TOLERANCE, relative=True))
         for s in regular(settings) for wave in (P, S) for engine, run in runs.get(s.name, {}).items()
     ]
 
@@ -109,7 +109,8 @@ def _exact(setting: Setting, wave: str) -> Published:
     return Published(
         name=f"fcc_{SYMBOL[wave]}", quantity=f"{SYMBOL[wave]}, {friction}", value=speed_of(setting, wave), unit="m/s",
         kind="analytical", origin="closed form of long waves along a cube axis, pressure included", seen=True,
-        conditions=setting.name, date="2026-11-22", tolerance=SPEED_TOLERANCE, reason="what this study sets out to reach",
+        conditions=setting.name, date="2026-11-22", tolerance=SPEED_TOLERANCE,
+        reason="what this study sets out to reach",
     )
 
 
@@ -141,7 +142,8 @@ def _by_length(setting: Setting, wave: str, layers: int, engine: str, run: Sound
     wavenumber = phase / setting.column.material.waves().layer
     ours = Measured(engine=engine, value=float(branch.frequency[k] / wavenumber),
                     error=float(branch.error[k] / wavenumber), packings=1)
-    return RatePoint(quantity=f"w/k of {wave}", unit="m/s", setting=f"{layers} layers a wave", number=phase**2, ours=ours)
+    setting_words = f"{layers} layers a wave"
+    return RatePoint(quantity=f"w/k of {wave}", unit="m/s", setting=setting_words, number=phase**2, ours=ours)
 
 
 def _by_step(setting: Setting, engine: str, run: SoundRun) -> RatePoint:
