@@ -292,6 +292,9 @@ class Obedient:
     def steps_done(self, folder: Path) -> int:
         return 0
 
+    def records(self, system: System) -> str:
+        return ""
+
     def resumes(self, folder: Path) -> bool:
         return False
 

@@ -129,6 +129,12 @@ class Engine(Protocol):
     def steps_done(self, folder: Path) -> int:
         """Return the last step the running engine has reported, 0 if none: for progress bars."""
 
+    def records(self, system: System) -> str:
+        """Return how contact forces in its output are not those that acted in the step, "" if they are.
+
+        That they belong to full-step velocities, as half a step later, is not meant.
+        """
+
     def resumes(self, folder: Path) -> bool:
         """Say whether `run` goes on, to the same last bit, with what a killed run left in `folder`; else it begins."""
 

@@ -12,7 +12,7 @@ from postproc.results import headed
 if TYPE_CHECKING:
     from harness.studies.single import SingleRun
 
-TITLES = {"run": "Run", "exits": "Exit values", "collisions": "Collisions"}
+TITLES = {"run": "Run", "exits": "Exit values", "collisions": "Collisions", "watch": "Watch"}
 """What is shown to people; the trajectory is in the files only."""
 
 
@@ -28,17 +28,37 @@ def run_answer(run: SingleRun) -> Answer:
     tables = {"run": [run_row(run)]}
     if run.trajectory is not None and isinstance(run.scene, Free):
         tables |= free_tables(run)
+    if run.watch is not None:
+        tables["watch"] = run.watch.rows()
     shown = {title: tables[name] for name, title in TITLES.items() if name in tables}
     return Answer(tables=shown, data=tables)
 
 
 def write_run_files(run: SingleRun) -> None:
-    """Leave exits.csv, collisions.csv and trajectory.csv in the folder of a completed free run."""
+    """Leave exits.csv, collisions.csv and trajectory.csv in the folder of a completed free run, a page if watched."""
     from harness.runs.atomic import write_text_atomic
+
+    if run.watch is not None and run.folder.exists():
+        write_text_atomic(run.folder / WATCH_PAGE, _watch_page(run))
 
     if run.trajectory is not None and isinstance(run.scene, Free):
         for name, rows in free_tables(run).items():
             write_text_atomic(run.folder / f"{name}.csv", csv_text(rows))
+
+
+WATCH_PAGE = "watch.html"
+
+
+def _watch_page(run: SingleRun) -> str:
+    from harness.report.page import Section, render_page
+    from harness.report.watch import NOTE, energy_panel
+    from harness.runs.outcome import describe_outcome
+
+    figures = (energy_panel(run.engine, run.watch),) if run.watch.of_frames else ()
+    return render_page(
+        title=f"Watched: {run.scene.title}", lead=describe_outcome(run.outcome),
+        sections=[Section(heading="Watch", note=NOTE, rows=run.watch.rows(), figures=figures)],
+    )
 
 
 def run_row(run: SingleRun) -> dict:

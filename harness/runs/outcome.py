@@ -51,6 +51,7 @@ class Outcome(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     resumed_at: step from which a killed run went on; CPU time is then that of all parts, elapsed time of the last.
     load_average: runnable processes of the machine at the start; times of a busy machine mislead.
     native: what became of the engine's own output. trajectory: recorded for completed runs only.
+    watch: of watched runs the largest size of each quantity, or why there is none; absent from the file otherwise.
     """
 
     status: Status
@@ -78,6 +79,7 @@ class Outcome(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     reproduce: str = ""
     native: str = ""
     trajectory: FileRecord | None = None
+    watch: dict[str, float | str] | msgspec.UnsetType = msgspec.UNSET
 
     def __post_init__(self) -> None:
         """Refuse what no run can have; raises ValueError."""

@@ -192,10 +192,15 @@ class Preparation(Table):
 
 
 class TopWall(Table):
-    """Strain control: z(t) = z_f + (z_0 - z_f)/2 (1 + cos(pi t/T)), eps = 1 - z/z_0 (talk, 'Bi-axial box')."""
+    """Strain control: z(t) = z_f + (z_0 - z_f)/2 (1 + cos(pi t/T)), eps = 1 - z/z_0 (talk, 'Bi-axial box').
+
+    The run ends at T (`duration`), at the final strain; with `cycles` the wall goes on, down and up so many times, and
+    the run ends at 2 T cycles, at the height it began with.
+    """
 
     final_strain: Annotated[float, Meta(gt=0, lt=1)]
     duration: Positive
+    cycles: Annotated[int, Meta(ge=1, le=1000)] | None = None
 
 
 class SideWall(Table):
@@ -229,7 +234,7 @@ class Biaxial(Table, tag="biaxial", tag_field="kind"):
     @property
     def duration(self) -> float:
         """The run ends when the top wall comes to rest."""
-        return self.top.duration
+        return self.top.duration * (1 if self.top.cycles is None else 2 * self.top.cycles)
 
 
 # --- Couette ring ----------------------------------------------------------------------------

@@ -29,11 +29,12 @@ from harness.scene.model import (
     LoadedMotion,
     Plane,
     Scene,
+    TopWall,
 )
 from harness.scene.numerics import StepPlan, numerics_faults, plan_steps
 from harness.scene.placement import EXPLICIT, PACKED, Origin, check_placement, component_faults
 from harness.scene.ring import FlowingDiscs, flowing_discs, rings_of
-from harness.scene.system import Constant, Cosine, Loaded, Particles, System, Wall
+from harness.scene.system import Constant, Cosine, Cycles, Loaded, Particles, System, Wall
 
 __all__ = [
     "known_system", "needs_packing", "read_packing_file", "resolve", "resolve_biaxial",
@@ -190,7 +191,7 @@ def _box_walls(scene: Biaxial, width: float, height: float) -> tuple[Wall, ...]:
     load = Loaded(
         mass=side.mass, load=0.0, stress=side.pressure, span=("bottom", "top"), damping=side.damping
     )
-    travel = Cosine(travel=top.final_strain * height, duration=top.duration)
+    travel = _top_motion(top, height)
     walls = (
         ("left", (0.0, 0.0), (1.0, 0.0), None),
         ("bottom", (0.0, 0.0), (0.0, 1.0), None),
@@ -201,6 +202,11 @@ def _box_walls(scene: Biaxial, width: float, height: float) -> tuple[Wall, ...]:
         Wall(index=k, name=name, point=point, normal=normal, friction=False, motion=motion)
         for k, (name, point, normal, motion) in enumerate(walls, start=1)
     )
+
+
+def _top_motion(top: TopWall, height: float) -> Cosine:
+    way = {"travel": top.final_strain * height, "duration": top.duration}
+    return Cosine(**way) if top.cycles is None else Cycles(**way, cycles=top.cycles)
 
 
 def _height_faults(scene: Biaxial, height: float, grains: Grains):

@@ -53,6 +53,33 @@ class Cosine:
     travel: float
     duration: float
 
+    @property
+    def end(self) -> float:
+        """When the wall comes to rest, s."""
+        return self.duration
+
+    @property
+    def rest(self) -> float:
+        """Where it rests: its displacement from then on, m."""
+        return self.travel
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cycles(Cosine):
+    """The same d(t) so many times forth and back, until 2 `duration` cycles, then rest at d = 0."""
+
+    cycles: int
+
+    @property
+    def end(self) -> float:
+        """When the wall comes to rest, s."""
+        return 2.0 * self.cycles * self.duration
+
+    @property
+    def rest(self) -> float:
+        """Where it began."""
+        return 0.0
+
 
 @dataclass(frozen=True, kw_only=True)
 class Loaded:

@@ -18,13 +18,15 @@ from harness.studies.prepare import prepare
 
 if TYPE_CHECKING:
     from harness.engines.protocol import Engine
+    from harness.runs.pool import Done
     from harness.runs.progress import Progress
+    from harness.studies.watch import Watch
     from postproc.trajectory import Trajectory
 
 
 @dataclass(frozen=True, kw_only=True)
 class SingleRun:
-    """What came of it; the trajectory only if it completed."""
+    """What came of it; the trajectory only if it completed, the watch only if it was asked for."""
 
     scene: Scene
     system: System
@@ -32,13 +34,14 @@ class SingleRun:
     outcome: Outcome
     folder: Path
     trajectory: Trajectory | None
+    watch: Watch | None = None
 
 
 def single_run(
     scene_file: Path, engine: Engine, out: Path, *, time_limit: float, progress: Callable[[], Progress] | None = None,
-    executor: Executor | None = None,
+    executor: Executor | None = None, watched: bool = False,
 ) -> SingleRun:
-    """Run a scene's first packing on one engine below ``out/runs``.
+    """Run a scene's first packing on one engine below ``out/runs``; watched: see `harness.studies.watch`.
 
     Raises InputError for a scene that is wrong, before anything is written.
     """
@@ -51,7 +54,14 @@ def single_run(
         executor=executor,
     )
     completed = done.outcome.status == "completed"
+    seen, outcome = _watched(engine, system, done) if watched else (None, done.outcome)
     return SingleRun(
-        scene=scene, system=system, engine=engine.name, outcome=done.outcome, folder=done.folder,
+        scene=scene, system=system, engine=engine.name, outcome=outcome, folder=done.folder, watch=seen,
         trajectory=read_trajectory(done.folder / "trajectory.h5") if completed else None,
     )
+
+
+def _watched(engine: Engine, system: System, done: Done) -> tuple[Watch, Outcome]:
+    from harness.studies.watch import watched
+
+    return watched(engine, system, done.folder, done.outcome)

@@ -30,6 +30,14 @@ def add_run_options(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("--time-limit", type=as_seconds, default=3600.0, metavar="S", help="a run; default: %(default)g")
 
 
+def add_watch(verb: argparse.ArgumentParser) -> None:
+    """Energies, momentum, overlaps and displacements of every run, read from what it records anyway."""
+    verb.add_argument(
+        "--watch", action="store_true",
+        help="energies, momentum, largest overlap and displacement of every run; the run is not altered",
+    )
+
+
 def add_names(verb: argparse.ArgumentParser, what: str, text: str) -> None:
     """An option for names, separated by commas or one at a time, in singular and in plural."""
     verb.add_argument(

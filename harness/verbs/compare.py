@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 from harness.arguments import as_count
-from harness.verbs.common import add_names, add_run_options, add_verb, chosen_executor, show
+from harness.verbs.common import add_names, add_run_options, add_verb, add_watch, chosen_executor, show
 
 
 def add(verbs) -> None:
@@ -23,6 +23,7 @@ def add(verbs) -> None:
         help="packings with a kick in every run, for verdicts with error bars; without N as the scene says",
     )
     verb.add_argument("--workers", type=as_count, metavar="N", help="runs at a time; default: the number of cores")
+    add_watch(verb)
     add_run_options(verb)
 
 
@@ -39,6 +40,7 @@ def _compare(options) -> int:
         comparison = compare(
             options.file, engines, options.out, packings=options.packings, time_limit=options.time_limit,
             workers=options.workers, progress=progress_for, executor=executor, replicates=options.replicates,
+            watched=options.watch,
         )
     written = write_report(comparison, options.out)
     show(compare_answer(comparison), options)

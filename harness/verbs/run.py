@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from harness.verbs.common import add_run_options, add_verb, chosen_executor, show
+from harness.verbs.common import add_run_options, add_verb, add_watch, chosen_executor, show
 
 
 def add(verbs) -> None:
@@ -15,6 +15,7 @@ def add(verbs) -> None:
         "--engine", "--engines", required=True, metavar="E",
         help="lammps, liggghts, kernel, kernel:lammps, ...; another version where it lives: lammps@ENV/bin/python",
     )
+    add_watch(verb)
     add_run_options(verb)
 
 
@@ -27,7 +28,8 @@ def _run(options) -> int:
     engine = find_engine(options.engine, ranks=options.ranks)
     with chosen_executor(options) as executor:
         done = single_run(
-            options.file, engine, options.out, time_limit=options.time_limit, progress=progress_for, executor=executor
+            options.file, engine, options.out, time_limit=options.time_limit, progress=progress_for, executor=executor,
+            watched=options.watch,
         )
     write_run_files(done)
     show(run_answer(done), options)

@@ -20,19 +20,30 @@ class Fixed:
 
 @dataclass(frozen=True, kw_only=True)
 class Cosine:
-    """d(t) = travel/2 (1 - cos(pi t/duration)) along the normal, then rest (talk: z(t))."""
+    """d(t) = travel/2 (1 - cos(pi t/duration)) along the normal, then rest (talk: z(t)).
+
+    It rests from `duration` on, at d = travel; with `cycles`, so many times forth and back, from 2 duration cycles on
+    where it began.
+    """
 
     travel: float
     duration: float
+    cycles: int | None = None
+
+    @property
+    def halves(self) -> int:
+        """Return how many times it goes from one end to the other."""
+        return 1 if self.cycles is None else 2 * self.cycles
 
     def displacement(self, time: float) -> float:
         """Return d(time), m, positive along the normal: travel sin^2(pi t/2T) does not cancel at small t."""
-        phase = math.pi * min(time / self.duration, 1.0)
-        return self.travel * math.sin(0.5 * phase) ** 2
+        if time >= self.halves * self.duration:
+            return self.travel * (self.halves % 2)
+        return self.travel * math.sin(0.5 * math.pi * (time / self.duration)) ** 2
 
     def rate(self, time: float) -> float:
         """Return d'(time) = travel pi/(2T) sin(pi t/T), m/s."""
-        if time >= self.duration:
+        if time >= self.halves * self.duration:
             return 0.0
         return 0.5 * math.pi * self.travel / self.duration * math.sin(math.pi * time / self.duration)
 

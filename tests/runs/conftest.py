@@ -100,6 +100,9 @@ class FakeEngine:
     def steps_done(self, folder: Path) -> int:
         return last_step(folder / "series.txt")
 
+    def records(self, system: System) -> str:
+        return ""
+
     def resumes(self, folder: Path) -> bool:
         return False
 

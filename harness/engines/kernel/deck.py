@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from harness.scene.system import Constant, Cosine, Loaded, System
+from harness.scene.system import Constant, Cosine, Cycles, Loaded, System
 
 if TYPE_CHECKING:
     from harness.scene.system import Ring, Wall
@@ -73,7 +73,8 @@ def _motion(motion, system: System) -> dict:
     if motion is None:
         return {"kind": "fixed"}
     if isinstance(motion, Cosine):
-        return {"kind": "cosine", "travel": motion.travel, "duration": motion.duration}
+        again = {"cycles": motion.cycles} if isinstance(motion, Cycles) else {}
+        return {"kind": "cosine", "travel": motion.travel, "duration": motion.duration, **again}
     if isinstance(motion, Constant):
         return {"kind": "constant", "velocity": list(motion.velocity)}
     return {"kind": "loaded", "mass": motion.mass, "load": motion.load, "stress": motion.stress,

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, ClassVar
 from harness.engines.child import Child, last_step, run_child
 from harness.engines.kernel.deck import render_deck
 from harness.engines.protocol import Defect, Probe, RunResult, Support
+from harness.engines.recorded import records_sliding
 
 if TYPE_CHECKING:
     from harness.scene.system import System
@@ -89,6 +90,10 @@ class KernelEngine:
     def steps_done(self, folder: Path) -> int:
         """Return the last sampled step."""
         return last_step(folder / "series.csv")
+
+    def records(self, system: System) -> str:
+        """In the conventions of LIGGGHTS contacts are recorded as LIGGGHTS does."""
+        return records_sliding(system) if self.convention == "liggghts" else ""
 
     def resumes(self, folder: Path) -> bool:
         """A run with a checkpoint does, unless the killed run's process is still there."""

@@ -95,11 +95,11 @@ def force_sums(system: System, wall: Wall) -> list[str]:
 
 def _cosine_lines(system: System, name: str, motion: Cosine) -> list[str]:
     """travel/2 (1 - cos(pi t/T)) = travel sin^2(pi t/2T), the form that does not cancel at small t."""
-    end = number(motion.duration)
-    d = f"{number(motion.travel)}*sin(PI*step*dt/2/{end})^2"
-    v = f"{number(motion.travel)}*PI/2/{end}*sin(PI*step*dt/{end})"
-    if system.steps * system.dt > motion.duration * (1 + 1e-12):
-        d = f"(step*dt<{end})*{d}+(step*dt>={end})*{number(motion.travel)}"
+    half, end = number(motion.duration), number(motion.end)
+    d = f"{number(motion.travel)}*sin(PI*step*dt/2/{half})^2"
+    v = f"{number(motion.travel)}*PI/2/{half}*sin(PI*step*dt/{half})"
+    if system.steps * system.dt > motion.end * (1 + 1e-12):
+        d = f"(step*dt<{end})*{d}+(step*dt>={end})*{number(motion.rest)}"
         v = f"(step*dt<{end})*{v}"
     return [f'variable disp_{name} equal "{d}"', f'variable rate_{name} equal "{v}"']
 

@@ -22,6 +22,7 @@ from harness.engines.liggghts.output import SERIES
 from harness.engines.liggghts.planes import is_primitive, is_still, meshes
 from harness.engines.liggghts.support import supports
 from harness.engines.protocol import Defect, Probe, RunResult, Support
+from harness.engines.recorded import records_sliding
 from harness.engines.word import named
 from harness.scene.contact import HertzNormal, HystereticNormal, VariableHystereticNormal
 from harness.scene.system import Constant
@@ -148,6 +149,10 @@ class Liggghts:
     def steps_done(self, folder: Path) -> int:
         """Return the last step in the series."""
         return last_step(folder / SERIES)
+
+    def records(self, system: System) -> str:
+        """Where a spring slides, its output has a dashpot besides, which did not act."""
+        return records_sliding(system)
 
     def resumes(self, folder: Path) -> bool:  # noqa: ARG002
         """A restart of LIGGGHTS changes bits, as its set-up evaluates all forces anew, like that of LAMMPS."""

@@ -62,7 +62,7 @@ def displacement(system: System, wall: Wall, step: str = "step") -> str:
         return f"vy[{carrier_id(system, wall)}]"
     rising = f"{_signed(motion.travel)}*sin({number(_half_angle(system, motion))}*{step})^2"
     last = _last_step(system, motion)
-    return rising if last is None else f"({step}<={last})*{rising}+({step}>{last})*{_signed(motion.travel)}"
+    return rising if last is None else f"({step}<={last})*{rising}+({step}>{last})*{_signed(motion.rest)}"
 
 
 def rate(system: System, wall: Wall) -> str:
@@ -108,8 +108,7 @@ def _cosine(system: System, wall: Wall) -> list[str]:
     mean = f"{_signed(motion.travel * math.sin(half) / system.dt)}*sin({number(half)}*(2*step-1))"
     last = _last_step(system, motion)
     if last is not None:
-        rest = motion.travel * math.cos(half * last) ** 2 / system.dt
-        mean = f"(step<={last})*{mean}+(step=={last + 1})*{_signed(rest)}"
+        mean = f"(step<={last})*{mean}+(step=={last + 1})*{_signed(_left_over(motion, half * last) / system.dt)}"
     return [f"# {name}: mean rate of the step", f'variable {name}_mean equal "{mean}"', *_move(wall, f"v_{name}_mean")]
 
 
@@ -153,6 +152,11 @@ def _extent(system: System, motion: Loaded, step: str) -> str:
     return "+".join(terms)
 
 
+def _left_over(motion: Cosine, angle: float) -> float:
+    """Return the way from d = travel sin^2(angle) to where the wall rests."""
+    return motion.travel * math.cos(angle) ** 2 if motion.rest else -motion.travel * math.sin(angle) ** 2
+
+
 def _half_angle(system: System, motion: Cosine) -> float:
     """Return pi dt / 2T: d = travel/2 (1 - cos(pi t/T)) = travel sin^2(n pi dt/2T), without cancellation."""
     return math.pi * system.dt / (2.0 * motion.duration)
@@ -160,7 +164,7 @@ def _half_angle(system: System, motion: Cosine) -> float:
 
 def _last_step(system: System, motion: Cosine) -> int | None:
     """Return the last step at which the wall still moves; None if the run ends before."""
-    last = math.floor(motion.duration / system.dt * (1.0 + 1e-12))
+    last = math.floor(motion.end / system.dt * (1.0 + 1e-12))
     return last if last < system.steps else None
 
 

@@ -11,6 +11,10 @@ from harness.studies.accuracy.asked import Knob
 from harness.studies.accuracy.limit import Limit, Order, standard_error
 
 
+ROUNDING = 1e-9
+"""Error that is none, whatever its bar."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Rung:
     """One setting on one engine, over K packings.
@@ -56,8 +60,8 @@ class Error:
 
     @property
     def seen(self) -> bool:
-        """Whether it stands out of its own error."""
-        return self.size > 2.0 * self.bar
+        """Whether it stands out of its own error, and of rounding."""
+        return self.size > max(2.0 * self.bar, ROUNDING)
 
     @property
     def most(self) -> float:

@@ -24,6 +24,10 @@ SMOOTHED = 0.005
 """Strain over which a curve is smoothed before its peak is looked for: several bursts long."""
 
 
+SAME_STRAIN = 1e-12
+"""Below it two strains are one: at the ends of a drive rounding alone is left of the steps."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class BiaxialCurves:
     """Arrays of one length S, one entry a sample; SI units, stresses in N/m, forces > 0 in compression.
@@ -70,6 +74,14 @@ class BiaxialCurves:
         return np.divide(self.stress_zz, self.stress_xx, out=nothing, where=self.stress_xx != 0)
 
     @property
+    def path(self) -> np.ndarray:
+        """Strain gone through, forth and back: the axial strain itself where it only grows, else the sum of |d eps|."""
+        steps = np.diff(self.strain)
+        if (steps > -SAME_STRAIN).all():
+            return self.strain
+        return abs(self.strain[0]) + np.concatenate([[0.0], np.cumsum(np.abs(steps))])
+
+    @property
     def friction_angle(self) -> np.ndarray:
         """Secant friction angle in degrees; NaN where a stress pulls, as no angle has such a sine."""
         pushes = np.where(self.ratio >= 0, self.ratio, np.nan)
@@ -98,7 +110,8 @@ class BiaxialCurves:
 
         Where samples lie further apart than that, the value itself.
         """
-        near = np.abs(self.strain[:, None] - self.strain) <= 0.5 * self.width
+        path = self.path
+        near = np.abs(path[:, None] - path) <= 0.5 * self.width
         np.fill_diagonal(near, True)
         return np.array([values[n].mean() for n in near])
 

@@ -78,4 +78,4 @@ def mean_ratio(force: np.ndarray, opposite: np.ndarray, curves: BiaxialCurves) -
 
     Away from 1 something between the walls takes up force: a background drag, or acceleration.
     """
-    return float(np.trapezoid(force, curves.strain) / np.trapezoid(opposite, curves.strain))
+    return float(np.trapezoid(force, curves.path) / np.trapezoid(opposite, curves.path))

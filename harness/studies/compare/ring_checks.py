@@ -22,6 +22,10 @@ RUN_ALARM = 1e-3
 BLIND = 0.1
 """Of the torque or the pressure: error bars above a tenth of what they belong to show no balance."""
 
+THROUGH, EQUILIBRIUM = "2 pi r^2 sigma_rphi through circles", "equilibrium of every ring"
+FROM_CONTACTS = (THROUGH, EQUILIBRIUM)
+"""How the quantities begin that rest on recorded contact forces."""
+
 DRIFTS = 0.5
 """The same for the steadiness of the torque, which comes in bursts as large as itself."""
 
@@ -59,7 +63,7 @@ def torque_check(engine: str, runs: Sequence[RingBalances], rerun: str) -> Check
 
 def through_check(engine: str, runs: Sequence[RingBalances], rerun: str) -> Check:
     """Torque through every circle is that of both walls."""
-    facts = {"quantity": "2 pi r^2 sigma_rphi through circles", "left": engine, "right": "torque on both rings"}
+    facts = {"quantity": THROUGH, "left": engine, "right": "torque on both rings"}
     if runs[0].absent:
         return _nothing(facts, runs[0].absent)
     tested = [
@@ -80,7 +84,7 @@ def angular_check(engine: str, runs: Sequence[RingBalances], rerun: str) -> Chec
 
 
 def _momentum(engine: str, runs: Sequence[RingBalances], axis: int, rerun: str) -> Check:
-    facts = {"quantity": f"equilibrium of every ring, {('r', 'phi')[axis]}", "left": engine, "right": "steady state"}
+    facts = {"quantity": f"{EQUILIBRIUM}, {('r', 'phi')[axis]}", "left": engine, "right": "steady state"}
     if runs[0].absent:
         return _nothing(facts, runs[0].absent)
     tested = [(of_mean(b.momentum[axis]), b.pressure, b.momentum[axis].needed, "at r = {:.4g} mm") for b in runs]

@@ -117,8 +117,8 @@ def place_error(trajectory: Trajectory, system: System) -> float:
 
 
 def _prescribed(motion, time: np.ndarray) -> np.ndarray:
-    """d(t) = travel/2 (1 - cos(pi t/T)), at rest from T on."""
-    return motion.travel / 2.0 * (1.0 - np.cos(np.pi * np.minimum(time / motion.duration, 1.0)))
+    """d(t) = travel/2 (1 - cos(pi t/T)), at rest from the end of the motion on."""
+    return motion.travel / 2.0 * (1.0 - np.cos(np.pi * np.minimum(time, motion.end) / motion.duration))
 
 
 def balance_checks(states: Mapping[str, StateCurves], rerun: Rerun) -> list[Check]:

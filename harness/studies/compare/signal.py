@@ -32,7 +32,8 @@ class Signal:
 
         A place that is no number is inside, so that a check over the mask meets it.
         """
-        return ~(self.place > limit * (1.0 + 1e-12)) & (self.step > 0)
+        beyond = np.logical_or.accumulate(self.place > limit * (1.0 + 1e-12))  # whoever comes back stays outside
+        return ~beyond & (self.step > 0)
 
     def at(self, place: float, form: str = "g") -> str:
         """Say a place: "0.2 % strain", "3 s"."""

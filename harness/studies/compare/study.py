@@ -21,13 +21,14 @@ from harness.studies.compare.biaxial import BiaxialResult, judge_biaxial
 from harness.studies.compare.couette import CouetteResult, judge_couette
 from harness.studies.compare.free import FreeResult, judge_free
 from harness.studies.compare.replicates import Planned, make_starts, planned_runs, replicate_count
-from harness.studies.compare.versions import explained, known_changes
+from harness.studies.compare.versions import by_records, explained, known_changes, known_records
 from harness.studies.prepare import Prepared
 from harness.studies.verdict import Check, Rerun, failed
 
 if TYPE_CHECKING:
     from harness.engines.protocol import Engine
     from harness.runs.progress import Progress
+    from harness.studies.watch import Watch
     from postproc.trajectory import Trajectory
 
 JUDGES = {Biaxial: judge_biaxial, Couette: judge_couette, Free: judge_free}
@@ -42,6 +43,7 @@ class Run:
     """One engine on one packing: its outcome, its folder, and its trajectory if it completed.
 
     of: "", or of the response to a kick the engine as such, as `engine` names it apart from the engine's other runs.
+    watch: of watched runs, see `harness.studies.watch`.
     """
 
     engine: str
@@ -50,6 +52,7 @@ class Run:
     folder: Path
     trajectory: Trajectory | None
     of: str = ""
+    watch: Watch | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,6 +96,7 @@ def compare(
     scene_file: Path, engines: tuple[Engine, ...], out: Path, *, packings: int | None = None,
     time_limit: float = TIME_LIMIT, workers: int | None = None, progress: Callable[[], Progress] | None = None,
     native: NativePolicy = "gzip", executor: Executor | None = None, replicates: int | None = None,
+    watched: bool = False,
 ) -> Comparison:
     """Run `scene_file` on `engines` and judge; runs are kept and reused below ``out/runs``.
 
@@ -100,6 +104,7 @@ def compare(
     AS_DECLARED for as many as the scene says; see `harness.studies.compare.replicates`.
     progress: makes what shows packings and runs being made; nothing is shown without.
     native: see `harness.runs.native`. executor: makes the runs in place of this process' threads.
+    watched: every run is watched, see `harness.studies.watch`.
     Raises InputError for a scene that is wrong, before anything is written.
     """
     from harness.engines.registry import word_of
@@ -116,14 +121,15 @@ def compare(
         [(p.label, p.engine, p.system) for p in plan], runs_root(out), time_limit=time_limit, workers=workers,
         progress=progress and progress(), native=native, executor=executor,
     )
-    made = [_run(p, d) for p, d in zip(plan, done, strict=True)]
+    made = [_run(p, d, watched=watched) for p, d in zip(plan, done, strict=True)]
     runs, response = tuple(r for r in made if not r.of), next((r for r in made if r.of), None)
     words = {e.name: word_of(e) for e in engines}
     rerun = Rerun(scene_file=scene_file, out=out, packings=packings, words=words, replicates=replicates)
     more = {"response": response} if response else {}
     found, result = JUDGES[type(scene)](scene, starts, runs, [e.name for e in engines], rerun, **more)
     changes = known_changes(engines, [s.system for s in starts])
-    checks = tuple(explained(c, changes) for c in found)
+    records = known_records(engines, [s.system for s in starts])
+    checks = tuple(by_records(explained(c, changes), records) for c in found)
     return Comparison(
         scene=scene, scene_file=scene_file, starts=tuple(starts), runs=runs, checks=checks, result=result,
         words=words, response=response,
@@ -140,12 +146,19 @@ def distinct_engines(engines: tuple[Engine, ...], scene: Scene) -> tuple[Engine,
     return tuple(dict.fromkeys(single))
 
 
-def _run(planned: Planned, done) -> Run:
+def _run(planned: Planned, done, *, watched: bool) -> Run:
     from postproc.trajectory import read_trajectory
 
-    completed = done.outcome.status == "completed"
+    seen, outcome = _watched(planned, done) if watched else (None, done.outcome)
+    completed = outcome.status == "completed"
     trajectory = read_trajectory(done.folder / "trajectory.h5") if completed else None
     return Run(
-        engine=planned.name, packing=planned.number, outcome=done.outcome, folder=done.folder, trajectory=trajectory,
-        of=planned.of,
+        engine=planned.name, packing=planned.number, outcome=outcome, folder=done.folder, trajectory=trajectory,
+        of=planned.of, watch=seen,
     )
+
+
+def _watched(planned: Planned, done) -> tuple[Watch, Outcome]:
+    from harness.studies.watch import watched
+
+    return watched(planned.engine, planned.system, done.folder, done.outcome)

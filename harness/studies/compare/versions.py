@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from harness.studies.compare.ring_checks import FROM_CONTACTS
 from harness.studies.verdict import Check
 
 if TYPE_CHECKING:
@@ -21,6 +22,19 @@ def known_changes(engines: Iterable[Engine], systems: Sequence[System]) -> Chang
     from harness.engines.registry import changes_of
 
     return {e.name: frozenset(c for s in systems for c in changes_of(e, s)) for e in engines}
+
+
+def known_records(engines: Iterable[Engine], systems: Sequence[System]) -> Mapping[str, str]:
+    """Return how recorded contact forces are not those that acted, for the engines of which that is known."""
+    said = {e.name: next(filter(None, (e.records(s) for s in systems)), "") for e in engines}
+    return {name: words for name, words in said.items() if words}
+
+
+def by_records(check: Check, records: Mapping[str, str]) -> Check:
+    """Return the check; a balance of recorded contact forces that differs is no surprise where these did not act."""
+    if check.verdict != "differs" or not check.quantity.startswith(FROM_CONTACTS) or check.left not in records:
+        return check
+    return replace(check, verdict="known_difference", why=f"{records[check.left]}; {check.why}")
 
 
 def explained(check: Check, changes: Changes) -> Check:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -35,20 +35,25 @@ PAPER_COUNT = 1950
 """Discs of the talk's box (Luding, IJSS 41, 5821 (2004), recalled)."""
 
 SIDE, LARGEST = "plateau sigma_xx", "largest sigma_zz"
-"""Besides `harness.studies.compare.macro.MACRO`: N/m, means over the plateau, and the top of the smoothed curve."""
+"""Besides `harness.studies.compare.macro.MACRO`: mean over the plateau, and the top of the smoothed curve."""
+
+UNITS: Mapping[str, str] = {name: unit for name, (unit, _) in MACRO.items()} | {SIDE: "N/m", LARGEST: "N/m"}
+"""Of the numbers of every `BoxRun`; a study that measures more says the units of those itself."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class BoxRun:
-    """One run of a box. numbers: by name, see MACRO, SIDE and LARGEST. inertia: largest inertial number of the drive.
+    """One run of a box. numbers: by name, see UNITS. inertia: largest inertial number of the drive.
 
     control: mean over the plateau (the second half of the test where none is declared) of (F_x - p_x z)/(p_x z).
+    states: averages of the frames by name, (F,) and more, for studies that take them; else empty.
     """
 
     curves: BiaxialCurves
     numbers: Mapping[str, float]
     inertia: float
     control: float
+    states: Mapping[str, np.ndarray] = field(default_factory=dict)
 
 
 def shipped(name: str) -> Path:
@@ -65,9 +70,11 @@ def base_scene(file: Path) -> Biaxial:
 
 def varied(
     base: Biaxial, file: Path, *, title: str, count: int | None = None, pressure: float | None = None,
-    duration: float | None = None, **tables,
+    prepared_at: float | None = None, duration: float | None = None, **tables,
 ) -> Biaxial:
-    """Return the scene with another number of discs, side pressure (prepared at it, too), duration, or whole tables.
+    """Return the scene with another number of discs, side pressure, duration, or whole tables.
+
+    It is prepared at the side pressure unless `prepared_at` (N/m) says otherwise.
 
     The title belongs to the deck, so that one variant has one title. Raises InputError for a scene that cannot be.
     """
@@ -76,7 +83,7 @@ def varied(
         changes["particles"] = replace(base.particles, count=count)
     if pressure is not None:
         changes["side"] = replace(tables.get("side", base.side), pressure=pressure)
-        changes["preparation"] = replace(base.preparation, pressure=pressure)
+        changes["preparation"] = replace(base.preparation, pressure=prepared_at or pressure)
     if duration is not None:
         changes["top"] = replace(tables.get("top", base.top), duration=duration)
     scene = replace(base, **changes)
@@ -109,11 +116,11 @@ def number_over_packings(made: Sequence[Made], case: str, name: str) -> dict[str
 
 
 def rate_points(
-    made: Sequence[Made], cases: Sequence[Case], name: str, *, quantity: str
+    made: Sequence[Made], cases: Sequence[Case], name: str, *, quantity: str, unit: str = ""
 ) -> list[RatePoint]:
     """Return a number (see `BoxRun.numbers`) of one test at several rates, the fastest first, engine by engine."""
     order = sorted(cases, key=lambda c: c.scene.top.duration)
-    unit = MACRO.get(name, ("N/m",))[0]
+    unit = unit or UNITS[name]
     found = [(c, number_over_packings(made, c.name, name)) for c in order]
     return [
         RatePoint(
@@ -157,27 +164,28 @@ def rerun_of(name: str, ask: Ask) -> Rerun:
     return lambda *engines: f"grainproof reproduce {name} --size {ask.size} --engines {','.join(engines)}{packings}"
 
 
-def box_checks(made: Sequence[Made], cases: Sequence[Case], names: Sequence[str], rerun: Rerun) -> list[Check]:
+def box_checks(made: Sequence[Made], cases: Sequence[Case], units: Mapping[str, str], rerun: Rerun) -> list[Check]:
     """Return what must hold between the codes, and of each run.
 
     Between codes: the top wall's force pointwise before chaos, over all cases and packings, as the scenes declare it;
-    after it the numbers `names` of every case, packing by packing.
+    after it the numbers that `units` names, of every case, packing by packing.
     """
     frictions = {c.name: bool(turning(c.scene.contact)) for c in cases}
     found = []
     for friction in sorted(set(frictions.values())):
         group = [c for c in cases if frictions[c.name] is friction]
-        found += _between_codes(made, group, names, rerun, friction=friction)
-    return [*found, *_run_checks(made, cases, rerun)]
+        found += between_codes(made, group, units, rerun, friction=friction)
+    return [*found, *run_checks(made, cases, rerun)]
 
 
-def _between_codes(
-    made: Sequence[Made], cases: Sequence[Case], names: Sequence[str], rerun: Rerun, *, friction: bool
+def between_codes(
+    made: Sequence[Made], cases: Sequence[Case], units: Mapping[str, str], rerun: Rerun, *, friction: bool
 ) -> list[Check]:
+    """Return the checks of the codes among each other, of cases with friction or of cases without."""
     wanted = {c.name for c in cases}
     pairs = pairs_of(engines_of([m for m in made if m.case in wanted]), friction=friction)
     compare = cases[0].scene.compare
-    quantities = [_judgeable(made, c.name, name) for c in cases for name in names]
+    quantities = [_judgeable(made, c.name, name, unit) for c in cases for name, unit in units.items()]
     terms = Terms(false_alarms=compare.false_alarms, margin=compare.margin, paired=True)
     return [
         *(window_checks(pairs, compare.windows, _all_curves(made, wanted), rerun) if pairs else ()),
@@ -185,12 +193,12 @@ def _between_codes(
     ]
 
 
-def _judgeable(made: Sequence[Made], case: str, name: str) -> Judgeable:
+def _judgeable(made: Sequence[Made], case: str, name: str, unit: str) -> Judgeable:
     values = {
         engine: {k: run.numbers.get(name, np.nan) for k, run in of.items()}
         for engine, of in by_engine(made, case).items()
     }
-    return Judgeable(quantity=f"{name}, {case}", unit=MACRO.get(name, ("N/m",))[0], values=values)
+    return Judgeable(quantity=f"{name}, {case}", unit=unit, values=values)
 
 
 def _all_curves(made: Sequence[Made], cases: set[str]) -> dict[str, dict]:
@@ -201,7 +209,7 @@ def _all_curves(made: Sequence[Made], cases: set[str]) -> dict[str, dict]:
     return found
 
 
-def _run_checks(made: Sequence[Made], cases: Sequence[Case], rerun: Rerun) -> list[Check]:
+def run_checks(made: Sequence[Made], cases: Sequence[Case], rerun: Rerun) -> list[Check]:
     """Each engine's side wall carries p_x on average over the plateau, and its drive is slow: the worst of all runs."""
     wanted = {c.name for c in cases}
     found = []

@@ -5,11 +5,18 @@
 
 (k_2 - k_1)/(1 + k_2/k_c) is the largest pull f_min of a contact over its largest overlap. Stresses of the line are
 those that the walls measured. Packing k of both pressures has the same radii, so each packing gives its own phi and c.
+
+How the packing was prepared is not printed, and decides: under this law a contact pulls in proportion to the largest
+overlap that it remembers. Prepared at p_x and much stiffer than p_x, a box has no other stress than p_x, so that
+sigma_zz is proportional to it and c vanishes, whatever k_c is; cohesion needs a memory that does not follow p_x. So the
+boxes at the smaller pressure are computed twice: prepared at p_x (the main ones), and prepared at the larger pressure,
+from which the side wall lets them go at the start.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace as replaced
 
 import numpy as np
 from msgspec.structs import replace
@@ -17,6 +24,7 @@ from msgspec.structs import replace
 from harness.studies.reproduce.boxes import (
     PAPER_COUNT,
     SIDE,
+    UNITS,
     BoxRun,
     base_scene,
     box_checks,
@@ -49,6 +57,9 @@ MAIN = 1
 OF_RATE = ("0", "1")
 """k_c/k_2 whose convergence is shown."""
 
+LOW, HIGH = PRESSURES
+MEMORY = f"prepared at {HIGH:g} N/m"
+
 PLATEAU = "plateau sigma_zz"
 ANGLE_TOLERANCE = 2.0
 """Degrees: what this study sets out to reach."""
@@ -58,43 +69,52 @@ COHESION_TOLERANCE = 0.15
 
 
 def cases(ask: Ask) -> list[Case]:
-    """Return the ten tests, and those at other rates."""
+    """Return the ten tests, five of them again with another preparation, and those at other rates."""
     main, *others = (DURATIONS[ask.size][MAIN], *(t for k, t in enumerate(DURATIONS[ask.size]) if k != MAIN))
     found = [_case(ask, p, r, main) for p in PRESSURES for r in RATIOS]
+    found += [_case(ask, LOW, r, main, memory=True) for r in RATIOS]
     return found + [_case(ask, p, r, t) for t in others for p in PRESSURES for r in OF_RATE]
 
 
-def _case(ask: Ask, pressure: float, ratio: str, duration: float) -> Case:
+def _case(ask: Ask, pressure: float, ratio: str, duration: float, *, memory: bool = False) -> Case:
     base = base_scene(FILE)
     count = PAPER_COUNT if ask.size == "paper" else base.particles.count
     law = base.contact.normal
     adhesion = RATIOS[ratio] * law.unloading_stiffness
     scene = varied(
         base, FILE, count=count, pressure=pressure, duration=duration,
-        title=f"Cohesive box, k_c/k_2 = {RATIOS[ratio]:g}, p = {pressure:g} N/m, T = {duration:g} s, {count} discs",
+        prepared_at=HIGH if memory else None,
+        title=f"Cohesive box, k_c/k_2 = {RATIOS[ratio]:g}, p = {pressure:g} N/m, T = {duration:g} s, {count} discs"
+        + f", {MEMORY}" * memory,
         contact=replace(base.contact, normal=replace(law, adhesion_stiffness=adhesion)),
     )
-    return Case(name=_name(pressure, ratio, duration), scene=scene, file=FILE, packings=STUDY.packings(ask))
+    name = _name(pressure, ratio, duration, memory=memory)
+    return Case(name=name, scene=scene, file=FILE, packings=STUDY.packings(ask))
 
 
-def _name(pressure: float, ratio: str, duration: float) -> str:
-    return f"p_x = {pressure:g} N/m, k_c/k_2 = {ratio}, T = {duration:g} s"
+def _name(pressure: float, ratio: str, duration: float, *, memory: bool = False) -> str:
+    return f"p_x = {pressure:g} N/m, k_c/k_2 = {ratio}, T = {duration:g} s" + f", {MEMORY}" * memory
 
 
 def run(ask: Ask) -> Result:
     """Run all tests, and put plateaus, angles and cohesions beside the talk's."""
     planned, main = cases(ask), DURATIONS[ask.size][MAIN]
     made = run_cases(ask, planned, measure_box)
-    lines = {(e, r): yield_lines(made, e, r, main) for e in engines_of(made) for r in RATIOS}
+    lines, remembered = (
+        {(e, r): yield_lines(made, e, r, main, memory=memory) for e in engines_of(made) for r in RATIOS}
+        for memory in (False, True)
+    )
     rows = [*_plateau_rows(made, ask, main), *_line_rows(lines, ask), *_slope_rows(lines, ask)]
+    again = [*_plateau_rows(made, ask, main, memory=True), *_line_rows(remembered, ask), *_slope_rows(remembered, ask)]
+    again = [replaced(r, quantity=f"{r.quantity}, {MEMORY}") for r in again]
     rated = [(r, p) for r in OF_RATE for p in PRESSURES]
     rates = [point for r, p in rated for point in _rate_points(made, planned, p, r)]
     of_main = [c for c in planned if c.scene.top.duration == main]
     return Result(
-        rows=tuple(rows), rates=tuple(rates), rate_words=rate_words(rates, what="plateau stress"),
+        rows=(*rows, *again), rates=tuple(rates), rate_words=rate_words(rates, what="plateau stress"),
         runs=study_runs(made),
-        checks=tuple(box_checks(made, of_main, (PLATEAU,), rerun_of("cohesion", ask))),
-        pictures=_pictures(made, lines, main), words=_words(rows), unsupported=unsupported(made),
+        checks=tuple(box_checks(made, of_main, {PLATEAU: UNITS[PLATEAU]}, rerun_of("cohesion", ask))),
+        pictures=_pictures(made, lines, remembered, main), words=_words(rows, again), unsupported=unsupported(made),
         tables={"Tests": _test_rows(made, of_main)},
     )
 
@@ -107,9 +127,12 @@ def _rate_points(made: Sequence[Made], planned: Sequence[Case], pressure: float,
 # --- the yield line ------------------------------------------------------------------------------
 
 
-def yield_lines(made: Sequence[Made], engine: str, ratio: str, duration: float) -> dict[str, Measured]:
+def yield_lines(
+    made: Sequence[Made], engine: str, ratio: str, duration: float, *, memory: bool
+) -> dict[str, Measured]:
     """Return "angle" (degrees) and "cohesion" (N/m) over packings, from the plateaus of both pressures."""
-    of = [by_engine(made, _name(p, ratio, duration)).get(engine, {}) for p in PRESSURES]
+    names = _name(LOW, ratio, duration, memory=memory), _name(HIGH, ratio, duration)
+    of = [by_engine(made, name).get(engine, {}) for name in names]
     lines = [two_point_line(*(of_p[k] for of_p in of)) for k in of[0] if all(k in of_p for of_p in of)]
     return {
         name: over_packings(engine, [line[k] for line in lines]) for k, name in enumerate(("angle", "cohesion"))
@@ -148,11 +171,11 @@ def _key(ratio: str) -> str:
     return f"{RATIOS[ratio]:g}".replace(".", "_")
 
 
-def _plateau_rows(made: Sequence[Made], ask: Ask, main: float) -> list[Row]:
+def _plateau_rows(made: Sequence[Made], ask: Ask, main: float, *, memory: bool = False) -> list[Row]:
     return [
         compared(f"talk_cohesion_{p:g}_{_key(r)}", ours, Spread(), quick=ask.size == "quick")
-        for p in PRESSURES for r in RATIOS
-        for ours in number_over_packings(made, _name(p, r, main), PLATEAU).values()
+        for p in (PRESSURES if not memory else (LOW,)) for r in RATIOS
+        for ours in number_over_packings(made, _name(p, r, main, memory=memory), PLATEAU).values()
     ]
 
 
@@ -197,22 +220,20 @@ def _test_rows(made: Sequence[Made], of_main: Sequence[Case]) -> list[dict]:
 # --- pictures and words --------------------------------------------------------------------------
 
 
-def _pictures(made: Sequence[Made], lines: Mapping, main: float) -> tuple[Picture, ...]:
+def _pictures(made: Sequence[Made], lines: Mapping, remembered: Mapping, main: float) -> tuple[Picture, ...]:
     engines = engines_of(made)
     return (
-        _cohesion_chart(lines, engines), *(_locus_chart(made, e, main) for e in engines[:1]),
+        _cohesion_chart(lines, remembered, engines),
+        *(_plateau_chart(made, engines, p, main) for p in PRESSURES),
         *(_curve_chart(made, engines[0], p, main) for p in PRESSURES if engines),
     )
 
 
-def _cohesion_chart(lines: Mapping, engines: Sequence[str]) -> Chart:
+def _cohesion_chart(lines: Mapping, remembered: Mapping, engines: Sequence[str]) -> Chart:
     x = np.array([pull(r) for r in RATIOS])
     ours = [
-        Line(
-            name=e, engine=e, look="points", x=x, y=np.array([lines[e, r]["cohesion"].value for r in RATIOS]),
-            error=_errors([lines[e, r]["cohesion"] for r in RATIOS]),
-        )
-        for e in engines
+        _points(f"{e}, {what}", x, [of[e, r]["cohesion"] for r in RATIOS])
+        for of, what in ((lines, "prepared at p_x"), (remembered, MEMORY)) for e in engines
     ]
     values = published_values()
     talk = np.array([values[f"talk_macro_cohesion_{_key(r)}"].value for r in RATIOS])
@@ -221,28 +242,28 @@ def _cohesion_chart(lines: Mapping, engines: Sequence[str]) -> Chart:
         name="cohesion", x="(k_2 - k_1)/(1 + k_2/k_c) (N/m)", y="macroscopic cohesion c (N/m)",
         caption="Cohesion from the Mohr-Coulomb line against the largest pull of a contact over its overlap; bars: "
         "standard error over packings. Line: the talk's formula.",
-        lines=(*ours, Line(name="talk", x=x, y=talk, look="talk"),
-               Line(name="talk: 1.8e-3 x", x=x, y=formula, look="fit")),
+        lines=(*ours, Line(name="talk", x=x, y=talk, look="talk"), Line(name="talk: 1.8e-3 x", x=x, y=formula, look="fit")),
     )
 
 
-def _locus_chart(made: Sequence[Made], engine: str, main: float) -> Chart:
-    found = []
-    for r in RATIOS:
-        side, axial = (
-            [number_over_packings(made, _name(p, r, main), n)[engine] for p in PRESSURES
-             if engine in by_engine(made, _name(p, r, main))]
-            for n in (SIDE, PLATEAU)
-        )
-        x = np.array([m.value for m in side])
-        found.append(Line(name=f"k_c/k_2 = {r}", x=x, y=np.array([m.value for m in axial]), error=_errors(axial),
-                          look="points"))
-        talk = [published_values()[f"talk_cohesion_{p:g}_{_key(r)}"].value for p in PRESSURES]
-        found.append(Line(name="talk" if r == "0" else "", x=np.array(PRESSURES), y=np.array(talk), look="talk"))
+def _plateau_chart(made: Sequence[Made], engines: Sequence[str], pressure: float, main: float) -> Chart:
+    x = np.array(list(RATIOS.values()))
+    lines = []
+    for memory in (False, True) if pressure == LOW else (False,):
+        of = [number_over_packings(made, _name(pressure, r, main, memory=memory), PLATEAU) for r in RATIOS]
+        known = [e for e in engines if all(e in m for m in of)]
+        what = MEMORY if memory else "prepared at p_x"
+        lines += [_points(f"{e}, {what}", x, [m[e] for m in of]) for e in known]
+    talk = [published_values()[f"talk_cohesion_{pressure:g}_{_key(r)}"].value for r in RATIOS]
     return Chart(
-        name="plateaus", x="σ_xx (N/m)", y="σ_zz at the plateau (N/m)", lines=tuple(found),
-        caption=f"Plateau stresses of all ten tests ({engine}) and the talk's.",
+        name=f"plateaus_{pressure:g}", x="k_c/k_2", y="σ_zz at the plateau (N/m)",
+        caption=f"Plateau stresses at p_x = {pressure:g} N/m; bars: standard error over packings.",
+        lines=(*lines, Line(name="talk", x=x, y=np.array(talk), look="talk")),
     )
+
+
+def _points(name: str, x: np.ndarray, found: Sequence[Measured]) -> Line:
+    return Line(name=name, look="points", x=x, y=np.array([m.value for m in found]), error=_errors(found))
 
 
 def _curve_chart(made: Sequence[Made], engine: str, pressure: float, main: float) -> Chart:
@@ -262,24 +283,33 @@ def _errors(found: Sequence[Measured]) -> np.ndarray | None:
     return np.array([m.error for m in found])
 
 
-def _words(rows: Sequence[Row]) -> tuple[str, ...]:
+def _words(rows: Sequence[Row], again: Sequence[Row]) -> tuple[str, ...]:
     """Say how far the numbers lie from the talk's, from the rows themselves."""
-    known = [r for r in rows if r.deviation is not None]
-    kinds = {
-        "plateau stresses": [r for r in known if r.quantity.startswith("plateau")],
-        "cohesions with k_c > 0": [r for r in known if "cohesion c" in r.quantity and not r.quantity.endswith("= 0")],
-    }
-    said = [f"{kind}: {_range([r.deviation / r.talk.value for r in of])}" for kind, of in kinds.items() if of]
-    angles = [r for r in known if "angle" in r.quantity]
-    said += [f"angles: {min(r.deviation for r in angles):+.1f} to {max(r.deviation for r in angles):+.1f} degrees"]
     return (
-        f"Ours over the talk's, less one, over all engines: {'; '.join(said)}.",
-        "What is not printed in the talk and decides such numbers: rate, mass and damping of the side wall, how the "
-        "packing was prepared, and where on the curve sigma_zz was read. Here the side wall is light, so that the "
-        "sample carries p_x; packings are frictionless and isotropic at the pressure of the test, on springs k_1.",
+        f"Ours over the talk's, less one, over all engines. Prepared at p_x: {_apart(rows)}. "
+        f"{MEMORY.capitalize()}: {_apart(again)}.",
+        "Prepared at p_x the box has no stress of its own but p_x (contacts are 1e-3 to 1e-2 of a radius deep): sigma_zz "
+        "is then proportional to p_x, adhesion makes the friction angle larger, and the line through both pressures "
+        "meets the origin. The talk's rows differ by nearly the same stress at both pressures, so its contacts must have "
+        "remembered an overlap that does not follow p_x: from a preparation at one pressure, it seems. The second series "
+        "shows how much of that a preparation at the larger pressure brings.",
+        "Not printed in the talk either: rate, mass and damping of the side wall, and where on the curve sigma_zz was "
+        "read. Here the side wall is light, so that the sample carries p_x; packings are frictionless and isotropic, on "
+        "springs k_1.",
         "LAMMPS has no such law. LIGGGHTS computes its dashpot with up to twelve sizes of discs, hence radii in twelve "
         "steps.",
     )
+
+
+def _apart(rows: Sequence[Row]) -> str:
+    known = [r for r in rows if r.deviation is not None]
+    kinds = {
+        "plateau stresses": [r for r in known if r.quantity.startswith("plateau")],
+        "cohesions with k_c > 0": [r for r in known if "cohesion c" in r.quantity and r.talk.name[-2:] != "_0"],
+    }
+    said = [f"{kind} {_range([r.deviation / r.talk.value for r in of])}" for kind, of in kinds.items() if of]
+    angles = [r.deviation for r in known if "angle" in r.quantity]
+    return "; ".join([*said, f"angles {min(angles):+.1f} to {max(angles):+.1f} degrees"] if angles else said)
 
 
 def _range(parts: Sequence[float]) -> str:

@@ -20,6 +20,7 @@ from msgspec.structs import replace
 
 from harness.studies.reproduce.boxes import (
     SIDE,
+    UNITS,
     BoxRun,
     base_scene,
     box_checks,
@@ -95,7 +96,7 @@ def run(ask: Ask) -> Result:
     rates = _rates(made, planned)
     return Result(
         rows=tuple(rows), rates=tuple(rates), rate_words=rate_words(rates, what="angle"), runs=study_runs(made),
-        checks=tuple(box_checks(made, of_main, (PEAK, PLATEAU), rerun_of("friction", ask))),
+        checks=tuple(box_checks(made, of_main, {n: UNITS[n] for n in (PEAK, PLATEAU)}, rerun_of("friction", ask))),
         pictures=_pictures(made, ask, main), words=_words(angles), unsupported=unsupported(made),
         tables={"Tests": _test_rows(made, of_main)},
     )

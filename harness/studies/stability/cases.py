@@ -34,7 +34,8 @@ class Case:
     def invariants(self) -> tuple[Invariant, ...]:
         """What is declared and, without being declared, what every run must have."""
         named = {i.name for i in self.expect.invariants}
-        return (*(i for i in ALWAYS if i.name not in named), *self.expect.invariants)
+        always = ALWAYS if ALONE in named else (*ALWAYS, MEETS)
+        return (*(i for i in always if i.name not in named), *self.expect.invariants)
 
     @property
     def twins(self) -> tuple[str, ...]:
@@ -46,6 +47,10 @@ ALWAYS = (
     Invariant(name="finite", tolerance=0.0, reason="every recorded number is one"),
     Invariant(name="contained", tolerance=0.0, reason="no particle is lost or behind a wall"),
 )
+
+MEETS = Invariant(name="meets", tolerance=0.0, reason="a case without a contact tests none")
+ALONE = "free_flight"
+"""The invariant of cases in which nothing is to touch."""
 
 
 def shipped_folder() -> Path:

@@ -24,7 +24,6 @@ from harness.studies.stability.parts import (
     parting_rate,
     places_apart,
     rates_apart,
-    sum_of_sizes,
     through_rings,
 )
 from harness.studies.stability.seen import POTENTIALS, Frame, NotKnown, Seen, nearest_image
@@ -61,6 +60,11 @@ def contained(seen: Seen, _: Invariant) -> float:
         lost = count - len(frame.x)
         worst = max(worst, lost + int((behind_walls(frame) | through_rings(seen, frame)).sum()))
     return float(worst)
+
+
+def meets(seen: Seen, _: Invariant) -> float:
+    """Return 0 if any frame shows an overlap, else 1: where nothing touches, nothing that contacts do is tested."""
+    return 0.0 if any(len(t.overlap) for t in seen.touching) else 1.0
 
 
 def overlap(seen: Seen, _: Invariant) -> float:
@@ -129,7 +133,7 @@ def momentum(seen: Seen, _: Invariant) -> float:
 
 
 def angular_momentum(seen: Seen, _: Invariant) -> float:
-    """Return the largest |L(t) - L(0)| over the largest sum of its parts, L = sum m (x - c) x v + I omega.
+    """Return the largest |L(t) - L(0)| over the largest sum m |x - c| |v| + I |omega|, L = sum m (x - c) x v + I omega.
 
     c: the centre of mass at the start. Only open systems without walls, weight and drag keep it.
     """
@@ -138,8 +142,8 @@ def angular_momentum(seen: Seen, _: Invariant) -> float:
         raise NotKnown("walls, weight, drag or periodic axes take angular momentum")
     centre = seen.frames[0].mass @ seen.frames[0].x / seen.frames[0].mass.sum()
     found = [angular_parts(f, centre) for f in seen.frames]
-    total = np.array([parts.sum(axis=0) for parts in found])
-    return largest(np.linalg.norm(total - total[0], axis=1), np.array([sum_of_sizes(p) for p in found]))
+    total = np.array([parts.sum(axis=0) for parts, _ in found])
+    return largest(np.linalg.norm(total - total[0], axis=1), np.array([size for _, size in found]))
 
 
 # --- statics -----------------------------------------------------------------------------------------------
@@ -319,6 +323,7 @@ def twin(seen: Seen, promise: Invariant, other: Seen) -> float:
 KINDS: dict[str, Kind] = {
     "finite": Kind(measure=finite, says="numbers that are none", ruin=0.5),
     "contained": Kind(measure=contained, says="particles lost", ruin=0.5),
+    "meets": Kind(measure=meets, says="no frame shows a contact", ruin=2.0),
     "overlap": Kind(measure=overlap, says="largest overlap over the smaller radius", ruin=1.0),
     "energy": Kind(measure=energy, says="largest change of energy, relative", ruin=0.1),
     "energy_drift": Kind(measure=energy_drift, says="drift of energy over the run, relative", ruin=0.1),

@@ -47,19 +47,16 @@ def through_rings(seen: Seen, frame: Frame) -> np.ndarray:
     return lost
 
 
-def angular_parts(frame: Frame, centre: np.ndarray) -> np.ndarray:
-    """Return m (x - c) x v and I omega of every particle, (2 N, 1 or 3)."""
+def angular_parts(frame: Frame, centre: np.ndarray) -> tuple[np.ndarray, float]:
+    """Return m (x - c) x v and I omega of every particle, (2 N, 1 or 3), and sum m |x - c| |v| + I |omega|."""
     arm = frame.x - centre
     if arm.shape[1] == 2:
         orbital = (frame.mass * (arm[:, 0] * frame.v[:, 1] - arm[:, 1] * frame.v[:, 0]))[:, None]
     else:
         orbital = frame.mass[:, None] * np.cross(arm, frame.v)
-    return np.concatenate([orbital, frame.inertia[:, None] * frame.spin])
-
-
-def sum_of_sizes(parts: np.ndarray) -> float:
-    """Return the sum of the lengths of vectors (n, dim)."""
-    return float(np.linalg.norm(parts, axis=1).sum())
+    size = frame.mass @ (np.linalg.norm(arm, axis=1) * np.linalg.norm(frame.v, axis=1))
+    size += frame.inertia @ np.linalg.norm(frame.spin, axis=1)
+    return np.concatenate([orbital, frame.inertia[:, None] * frame.spin]), float(size)
 
 
 def parting_rate(seen: Seen, frame: Frame) -> float:

@@ -40,7 +40,7 @@ def test_the_usual_request():
     ({"scene": "biaxial_quick", "knob": "stifness"}, "did you mean stiffness?"),
     ({"scene": "biaxial_quick", "knob": ","}, "--knob: expected one of dt, stiffness"),
     ({"scene": "biaxial_quick", "knob": "size", "ladder": [50.5, 100]}, "whole numbers (particles), got 50.5"),
-    ({"scene": "biaxial_quick", "knob": "rate,dt", "ladder": [1, 2]}, "one knob whose values are numbers, got rate, dt"),
+    ({"scene": "biaxial_quick", "knob": "rate,dt", "ladder": [1]}, "one knob whose values are numbers, got rate, dt"),
     ({"scene": "biaxial_quick", "knob": "law", "ladder": [0, 1]}, "one knob whose values are numbers, got law"),
     ({"scene": "couette_quick", "knob": "size"}, "the density decides on a band"),
     ({"scene": "couette_quick", "quantity": "friction_angle"}, "expected one of torque, band_width, wall_velocity"),
@@ -63,7 +63,7 @@ def test_boxes_turn_several_knobs_at_once():
     assert [a.knob.name for a in found] == ["dt", "stiffness", "rate", "size", "width"]
     assert {a.quantity for a in found} == {"friction_angle"}
     dt, stiffness, rate, size, width = (a.values for a in found)
-    assert dt == pytest.approx((0.09, 0.06, 0.045, 0.03))
+    assert dt == pytest.approx((0.36, 0.18, 0.09, 0.045))
     assert stiffness == (1 / 64, 1 / 16, 1 / 4, 1.0)
     assert rate == (8.0, 4.0, 2.0, 1.0)
     assert size == (50.0, 100.0, 200.0)

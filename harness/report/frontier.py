@@ -1,0 +1,129 @@
+"""The frontier report: a page, a picture, CSV and JSON, and on demand the table that scenes are warned with."""
+
+from __future__ import annotations
+
+import base64
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from harness.errors import InputError
+from harness.report.frontier_figure import CAPTION, frontier_figure
+from harness.report.frontier_tables import summary, tables
+from harness.report.page import Figure, Section, render_page
+from harness.report.tables import Answer, csv_text
+
+if TYPE_CHECKING:
+    from harness.studies.frontier.study import Frontiers
+
+PAGE, DATA, PICTURE = "frontier.html", "frontier.json", "frontier.png"
+TABLES = ("frontiers", "map", "scenes", "skipped")
+
+HOW = (
+    "Particles at rest under pressure get random velocities of 1e-4 of their overlaps times the frequency, so that no "
+    "contact opens or slides: motions are linear. Below the limit the kinetic energy of velocity Verlet never exceeds "
+    "its start; a step is unstable when it grows fourfold within 1200 steps, or numbers run away. Two steps 3 per cent "
+    "around what theory expects are looked at first, further ones outwards until the limit is enclosed, then the "
+    "bracket is halved to 1 per cent."
+)
+EXACT = (
+    "4 M - 2 dt C - dt^2 K must be positive definite, with mass, damping and stiffness matrix of the actual packing "
+    "(dt < 2/w_max without dashpots). kernel:talk feels its friction springs one step late: dt k_t <= gamma_t is a "
+    "condition of its own there, and without a tangential dashpot no step is stable."
+)
+MAP = "The random packing with one property varied; friction changes nothing as long as nothing slides."
+SCENES = (
+    "Of each kind of laws the smallest measured step over the formula beyond which scenes are refused: "
+    "`grainproof scene` warns by it."
+)
+
+
+def frontier_answer(done: Frontiers) -> Answer:
+    """Return the tables for people and everything for programs."""
+    found = tables(done)
+    shown = {"Largest stable steps, in sqrt(m/k)": found["frontiers"], "Map": found["map"]}
+    return Answer(tables={k: _short(v) for k, v in shown.items()}, data=frontier_data(done))
+
+
+def frontier_data(done: Frontiers) -> dict:
+    """Return all tables with all digits, versions and machine."""
+    from msgspec import to_builtins
+
+    return {
+        "size": done.size, "words": summary(done), "exit_status": done.exit_status, "versions": done.versions,
+        "host": to_builtins(done.host), "wall_seconds": done.wall_seconds, "tables": tables(done),
+    }
+
+
+def write_frontier(done: Frontiers, out: Path) -> Path:
+    """Write frontier.html, .json, .png and CSV tables into `out`, each whole or not at all; return the page."""
+    from harness.report.figures import png_bytes
+    from harness.runs.atomic import write_bytes_atomic, write_json_atomic, write_text_atomic
+
+    out.mkdir(parents=True, exist_ok=True)
+    picture = png_bytes(frontier_figure(done), dpi=110)
+    for name, rows in tables(done).items():
+        write_text_atomic(out / f"frontier_{name}.csv", csv_text(rows))
+    write_bytes_atomic(out / PICTURE, picture)
+    write_json_atomic(out / DATA, frontier_data(done))
+    uri = f"data:image/png;base64,{base64.b64encode(picture).decode()}"
+    page = render_page(
+        title="The largest stable time step", lead=f"{summary(done)}.",
+        sections=frontier_sections(done, Figure(uri=uri, caption=CAPTION)),
+    )
+    write_text_atomic(out / PAGE, page)
+    return out / PAGE
+
+
+def frontier_sections(done: Frontiers, figure: Figure) -> list[Section]:
+    """Return the sections, for a page of its own or as part of another."""
+    found = tables(done)
+    sections = [
+        Section(heading="Frontiers", note=f"{HOW} {EXACT}", figures=(figure,)),
+        Section(heading="Laws and packings", rows=found["frontiers"]),
+        Section(heading="Map", note=MAP, rows=found["map"]),
+        Section(heading="What scenes are held against", note=SCENES, rows=found["scenes"]),
+        Section(heading="Left out", rows=found["skipped"]),
+        Section(heading="Reproduce", text=command(done)),
+    ]
+    return [s for s in sections if s.rows != []]
+
+
+def write_scene_table(done: Frontiers, path: Path, *, day: str) -> None:
+    """Write the table that `harness.scene.frontier` reads, as TOML; day: of the measurement, YYYY-MM-DD."""
+    from harness.runs.atomic import write_text_atomic
+
+    lines = [
+        "# The largest stable steps measured, over the formula beyond which scenes are refused: one entry for each",
+        "# dimension, kind of laws and engine. Made by the command below; read by `grainproof scene`.",
+        f'command = "{command(done)} --table FILE"', f'date = "{day}"', "",
+        "[versions]", *(f'"{name}" = "{version}"' for name, version in done.versions.items()),
+    ]
+    for row in tables(done)["scenes"]:
+        lines += ["", "[[measured]]", *(f"{key} = {_toml(value)}" for key, value in row.items() if value is not None)]
+    write_text_atomic(path, "\n".join(lines) + "\n")
+
+
+def command(done: Frontiers) -> str:
+    """Return the command that measures this again."""
+    size = " --full" if done.size == "full" else ""
+    return f"grainproof frontier{size} --engines {','.join(done.versions)}"
+
+
+def check_places(out: Path) -> None:
+    """Raise InputError when a folder stands where a file of the report goes: before anything is run."""
+    for place in (out / name for name in (PAGE, DATA, PICTURE, *(f"frontier_{name}.csv" for name in TABLES))):
+        if place.is_dir():
+            raise InputError(
+                file=place, expected="a file or nothing, as the report goes there", got="a folder",
+                fix="move it away or name another --out",
+            )
+
+
+def _short(rows: list[dict]) -> list[dict]:
+    """Leave out what a terminal has no room for."""
+    dropped = ("particles", "contacts", "sqrt(m/k) (s)", "runs")
+    return [{k: v for k, v in row.items() if k not in dropped} for row in rows]
+
+
+def _toml(value: object) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else f'"{value}"' if isinstance(value, str) else str(value)

@@ -1,0 +1,79 @@
+"""The picture of the frontiers: measured against exact limits, and the map, one panel an axis."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from harness.report.figures import new_figure
+
+if TYPE_CHECKING:
+    from harness.studies.frontier.study import Frontier, Frontiers
+
+COLOURS = {"lammps": "#1b6ca8", "liggghts": "#c8553d", "kernel:lammps": "#3fa34d", "kernel:talk": "#8e5ea2"}
+MARKERS = {"lammps": "o", "liggghts": "s", "kernel:lammps": "^", "kernel:talk": "D"}
+OTHER = ("#666666", "v")
+
+CAPTION = (
+    "Largest stable step in units of sqrt(m/k), m the lightest mass, k the largest slope of a normal force. First "
+    "panel: measured against the exact limit of the packing's stiffness and damping matrices, all laws and packings; "
+    "band: 5 per cent. Others: the random packing, one property varied; points measured, line exact, dashed: the "
+    "formula beyond which scenes are refused."
+)
+
+
+def frontier_figure(done: Frontiers):
+    """Return the figure."""
+    axes_of_map = list(dict.fromkeys(f.axis for f in done.found if f.axis))
+    columns = 3
+    rows = -(-(1 + len(axes_of_map)) // columns)
+    figure, axes = new_figure(rows, columns, width=11.5, height=3.6 * rows)
+    panels = list(np.atleast_2d(axes).ravel())
+    _against(panels[0], done.found)
+    for panel, name in zip(panels[1:], axes_of_map, strict=False):
+        _along(panel, name, [f for f in done.found if f.axis == name])
+    for panel in panels[1 + len(axes_of_map):]:
+        panel.set_axis_off()
+    return figure
+
+
+def _against(axes, found: tuple[Frontier, ...]) -> None:
+    compared = [f for f in found if f.exact and f.measured]
+    ends = np.array([0.8 * min(f.exact / f.unit for f in compared), 1.25 * max(f.exact / f.unit for f in compared)])
+    axes.fill_between(ends, 0.95 * ends, 1.05 * ends, color="#999999", alpha=0.3, lw=0)
+    axes.plot(ends, ends, color="#444444", lw=0.8)
+    for engine in dict.fromkeys(f.engine for f in compared):
+        points = np.array([(f.exact / f.unit, f.measured / f.unit) for f in compared if f.engine == engine])
+        _points(axes, engine, *points.T)
+    axes.set(xscale="log", yscale="log", xlabel="exact limit", ylabel="measured", xlim=ends, ylim=ends)
+    _dress(axes)
+
+
+def _along(axes, name: str, found: list[Frontier]) -> None:
+    for engine in dict.fromkeys(f.engine for f in found):
+        points = np.array([(f.value, f.measured / f.unit) for f in found if f.engine == engine and f.measured])
+        if len(points):
+            _points(axes, engine, *points.T)
+    line = sorted({(f.value, f.exact / f.unit, f.formula / f.unit) for f in found if f.exact})
+    if line:
+        value, exact, formula = np.array(line).T
+        axes.plot(value, exact, color="#444444", lw=0.9, label="exact")
+        axes.plot(value, formula, color="#444444", lw=0.9, ls="--", label="formula of scenes")
+    axes.set(xscale="log", xlabel=name, ylabel="largest step")
+    if max(f.exact or 0.0 for f in found) > 10 * min(f.exact for f in found if f.exact):
+        axes.set_yscale("log")
+    else:
+        axes.set_ylim(bottom=0.0)
+    _dress(axes)
+
+
+def _points(axes, engine: str, x, y) -> None:
+    colour, marker = COLOURS.get(engine, OTHER[0]), MARKERS.get(engine, OTHER[1])
+    axes.plot(x, y, ls="", marker=marker, ms=5, mfc="none", color=colour, label=engine)
+
+
+def _dress(axes) -> None:
+    axes.grid(alpha=0.25)
+    axes.tick_params(labelsize=8)
+    axes.legend(fontsize=7)

@@ -1,0 +1,176 @@
+"""The cheapest setting that keeps a quantity within a tolerance: all engines, all rungs of all knobs together.
+
+Only settings that were run are looked at first. If none will do, ladders whose errors fall like a power are followed
+further, at most `FARTHEST` times beyond their finest rung, and what comes of it is called extrapolated.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+
+from harness.studies.accuracy.asked import KNOBS
+from harness.studies.advise.combine import Part, Total, time_ratio, total
+from harness.studies.advise.evidence import DECIDED, Evidence, KnobLadder, Rung
+from harness.studies.advise.scene import Settings
+
+FINER = (2.0, 4.0, 8.0)
+FARTHEST = FINER[-1]
+"""Times beyond the finest rung, in x: further nothing is foretold."""
+
+EFFECTS = "effects"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Choice:
+    """A setting of all knobs on one engine. rungs: by knob. without: effects left out.
+
+    packings: P of `combine`, None if no number keeps the tolerance. seconds: CPU time of one test. declared_seconds: of
+    one test of the scene as declared on this engine.
+    """
+
+    engine: str
+    rungs: Mapping[str, Rung]
+    parts: tuple[Part, ...]
+    without: tuple[str, ...]
+    total: Total
+    packings: int | None
+    seconds: float
+    declared_seconds: float
+
+    @property
+    def settings(self) -> Settings:
+        """Values by knob, and effects left out."""
+        return Settings(values={k: r.value for k, r in self.rungs.items()}, without=self.without)
+
+    @property
+    def extrapolated(self) -> tuple[str, ...]:
+        """Knobs whose setting was not run."""
+        return tuple(k for k, r in self.rungs.items() if r.origin == "extrapolated")
+
+    @property
+    def whole_seconds(self) -> float:
+        """CPU time of all packings; infinite if no number of them will do."""
+        return math.inf if self.packings is None else self.seconds * self.packings
+
+
+Allowed = Callable[[Settings], bool]
+"""Whether a setting makes a scene that can be run."""
+
+
+def choose(evidence: Evidence, tolerance: float, allowed: Allowed) -> Choice | None:
+    """Return the cheapest setting that keeps the tolerance, measured ones before extrapolated ones; None for none."""
+    for farther in (False, True):
+        able = [c for c in choices(evidence, tolerance, farther=farther) if c.packings is not None]
+        found = _first_allowed(sorted(able, key=_cost), allowed)
+        if found is not None:
+            return found
+    return None
+
+
+def best_known(evidence: Evidence, tolerance: float, allowed: Allowed) -> Choice | None:
+    """Return the measured setting with the smallest error, whatever it costs; None without ladders."""
+    made = choices(evidence, tolerance, farther=False)
+    return _first_allowed(sorted(made, key=lambda c: (c.total.error(evidence.packings), c.seconds)), allowed)
+
+
+def choices(evidence: Evidence, tolerance: float, *, farther: bool) -> Iterator[Choice]:
+    """Yield every combination of rungs on every engine, with and without the effects that may go."""
+    for engine, ladders in evidence.ladders.items():
+        turned = {k: _rungs(evidence, ladders[k], farther=farther) for k in DECIDED if k in ladders}
+        own = next((la.own for la in ladders.values() if la.own is not None), None)
+        if own is None or not turned:
+            continue
+        for picked in itertools.product(*turned.values()):
+            for effects in _effects(evidence, engine):
+                yield _choice(evidence, engine, dict(zip(turned, picked, strict=True)), effects, own, tolerance)
+
+
+def parts_of(evidence: Evidence, engine: str, rungs: Mapping[str, Rung]) -> list[Part]:
+    """Return what each knob brings, its time over that of its own ladder's declared rung."""
+    made = []
+    for knob, rung in rungs.items():
+        own = evidence.ladders[engine][knob].own
+        ratio = rung.seconds / own.seconds if own is not None and own.seconds > 0.0 else 1.0
+        made.append(Part(name=knob, error=rung.error, bar=rung.bar, ratio=ratio))
+    return made
+
+
+def _choice(
+    evidence: Evidence, engine: str, rungs: Mapping[str, Rung], effects: Part | None, own: Rung, tolerance: float
+) -> Choice:
+    parts = parts_of(evidence, engine, rungs)
+    parts += [effects] if effects is not None else []
+    spread = evidence.spread[engine] or 0.0
+    if "size" in rungs and rungs["size"].spread is not None and not rungs["size"].declared:
+        spread = rungs["size"].spread
+    combined = total(parts, spread)
+    return Choice(
+        engine=engine, rungs=rungs, parts=tuple(parts), total=combined,
+        without=evidence.reduced.names if effects is not None else (), seconds=own.seconds * time_ratio(parts),
+        packings=combined.packings_for(tolerance), declared_seconds=own.seconds,
+    )
+
+
+def _effects(evidence: Evidence, engine: str) -> list[Part | None]:
+    """Return nothing left out, and what may be; on an engine on which that was not timed it saves nothing."""
+    reduced = evidence.reduced
+    if reduced is None:
+        return [None]
+    ratio = reduced.share.get(engine, 1.0)
+    return [None, Part(name=EFFECTS, error=reduced.error, bar=reduced.bar, ratio=ratio)]
+
+
+def _rungs(evidence: Evidence, ladder: KnobLadder, *, farther: bool) -> list[Rung]:
+    return [*ladder.rungs, *(finer_rungs(evidence, ladder) if farther else ())]
+
+
+def finer_rungs(evidence: Evidence, ladder: KnobLadder) -> list[Rung]:
+    """Return rungs beyond the finest one: e ~ x^p with the order of the limit, time by the power of the last two rungs.
+
+    None where the ladder shows no error that falls like a power, or no order. The standard error is that of the finest
+    rung's error, as the limit is known no better, and the power is not assumed to bring it down.
+    """
+    if len(ladder.rungs) < 2 or ladder.state != "extrapolated" or not math.isfinite(ladder.order):
+        return []
+    seen = [r for r in ladder.rungs if r.seen]
+    if not seen:
+        return []
+    reference, (before, last) = seen[-1], ladder.rungs[-2:]
+    power = math.log(last.seconds / before.seconds) / math.log(before.x / last.x)
+    found = []
+    for factor in FINER:
+        x = last.x / factor
+        found.append(replace(
+            last, value=_value(evidence, ladder, last, x), x=x, declared=False, origin="extrapolated",
+            error=reference.error * (x / reference.x) ** ladder.order, seconds=last.seconds * factor**power,
+            spread=None if last.spread is None or ladder.knob != "size" else last.spread / factor,
+            how=f"error ~ x^{ladder.order:.2g} from {reference.value:.4g}, time ~ x^{-power:.2g} from the last two",
+        ))
+    return found
+
+
+def _value(evidence: Evidence, ladder: KnobLadder, last: Rung, x: float) -> float:
+    """Return the value of a knob at x: x is the value itself, its inverse or its inverse root."""
+    knob = KNOBS[type(evidence.scene)][ladder.knob]
+    rising = knob.x(4.0 * last.value) / knob.x(last.value)
+    value = last.value * (x / last.x) ** (math.log(4.0) / math.log(rising))
+    return float(round(value)) if knob.whole else value
+
+
+def _cost(choice: Choice) -> tuple[float, float]:
+    return choice.whole_seconds, choice.total.error(choice.packings)
+
+
+def _first_allowed(ordered: list[Choice], allowed: Allowed) -> Choice | None:
+    """Return the first whose scene can be run; many settings share what makes a scene, and are asked once."""
+    asked: dict[tuple, bool] = {}
+    for choice in ordered:
+        key = (tuple(choice.settings.values.items()), choice.without)
+        if key not in asked:
+            asked[key] = allowed(choice.settings)
+        if asked[key]:
+            return choice
+    return None

@@ -1,0 +1,57 @@
+"""The scene that advice means, as `grainproof scene` accepts it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from msgspec.structs import replace
+
+from harness.errors import InputError
+from harness.scene.checks import first_fault
+from harness.scene.grains import grains_of
+from harness.scene.model import Free, Scene
+from harness.scene.resolve import known_system
+from harness.studies.accuracy.turn import turned
+from harness.studies.effects.variants import without
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """values: of knobs by name. without: effects left out."""
+
+    values: Mapping[str, float]
+    without: tuple[str, ...] = ()
+
+
+def advised_scene(scene: Scene, file: Path, settings: Settings, *, packings: int | None = None) -> Scene:
+    """Return the scene with all knobs turned, effects left out, and so many packings to be compared."""
+    made = scene
+    for knob in ("stiffness", "rate", "size"):
+        if knob in settings.values and settings.values[knob] != 1.0:
+            made = turned(made, knob, settings.values[knob])
+    if "dt" in settings.values:
+        made = replace(made, numerics=replace(made.numerics, dt_fraction=settings.values["dt"]))
+    if settings.without:
+        made = without(made, settings.without, _grains(made, file))
+    if packings is not None and not isinstance(made, Free):
+        made = replace(made, compare=replace(made.compare, packings=packings))
+    return made
+
+
+def can_run(scene: Scene, file: Path, settings: Settings) -> bool:
+    """Whether the scene obeys all rules that are known before a packing is made, its time step's among them."""
+    try:
+        made = advised_scene(scene, file, settings)
+        if first_fault(made, file.parent) is not None:
+            return False
+        known_system(made, file)
+    except InputError:
+        return False
+    return True
+
+
+def _grains(scene: Scene, file: Path):
+    system = known_system(scene, file)
+    return grains_of(scene, None if system is None else system.particles)

@@ -1,0 +1,83 @@
+"""The effects report: page, tables, picture, words, and a reduced scene that loads."""
+
+import csv
+import io
+import json
+from functools import partial
+from pathlib import Path
+
+import pytest
+
+from harness.cli import main
+from harness.errors import InputError
+from harness.report.effects import PAGE, TABLES, check_places, effects_answer, write_effects
+from harness.report.effects_words import paragraph
+from harness.scene.load import load_scene
+from harness.studies.effects import cost, effects_study, timing
+
+FILE = Path(__file__).resolve().parents[2] / "inputs" / "scenes" / "oblique_impact.toml"
+ONLY = ["normal damping", "sliding friction"]
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    out = tmp_path_factory.mktemp("effects")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(timing, "step_costs", partial(cost.step_costs, rounds=2))
+        return effects_study(FILE, out, engines=["kernel:talk"], only=ONLY, tolerance=0.3)
+
+
+@pytest.fixture(scope="module")
+def written(study, tmp_path_factory):
+    out = tmp_path_factory.mktemp("report")
+    write_effects(study, out)
+    return out
+
+
+def test_everything_is_written(written):
+    for name in (PAGE, "effects.json", "effects.png", "effects.svg", "reduced.toml", *(f"{t}.csv" for t in TABLES)):
+        assert (written / name).stat().st_size > 0, name
+
+
+def test_the_reduced_scene_is_one(written, study):
+    reduced = load_scene(written / "reduced.toml")
+    assert reduced.contact.normal.normal_damping == 0.0
+    assert reduced.contact.sliding == study.scene.contact.sliding
+
+
+def test_the_page_says_what_the_tables_say(written, study):
+    page = (written / PAGE).read_text()
+    for heading in ("The smallest set", "What a switch changes", "Off, and the coefficient at zero", "Reproduce"):
+        assert heading in page
+    rows = list(csv.DictReader(io.StringIO((written / "chosen.csv").read_text())))
+    assert {r["scene"] for r in rows} == {"without normal damping", "without sliding friction"}
+    assert all(float(r["error bar (%)"]) == 30.0 for r in rows)
+    data = json.loads((written / "effects.json").read_text())
+    assert data["left_out"] == ["normal damping"]
+    assert data["verified"] is True
+
+
+def test_words_name_what_matters_and_what_was_verified(study):
+    words = paragraph(study)
+    assert "cannot do without: sliding friction" in words
+    assert "leaves out normal damping; a run of the reduced scene shows it" in words
+    assert "0 differ" in words
+
+
+def test_the_answer_has_no_number_that_is_not_one(study):
+    json.dumps(effects_answer(study).data, allow_nan=False, default=str)
+
+
+def test_a_folder_in_the_way_is_refused_before_anything_is_run(tmp_path):
+    (tmp_path / PAGE).mkdir()
+    with pytest.raises(InputError, match="expected a file or nothing"):
+        check_places(tmp_path)
+
+
+@pytest.mark.parametrize("words", [["--tolerance", "0"], ["--quantity", "nothing"], ["--effect", "nothing"]])
+def test_the_command_line_refuses_in_one_line(words, tmp_path, capsys):
+    assert main(["effects", str(FILE), "--out", str(tmp_path / "o"), *words]) == 2
+    said = capsys.readouterr().err
+    assert said.count("\n") == 1
+    assert words[0] in said
+    assert not (tmp_path / "o").exists()
