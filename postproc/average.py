@@ -19,10 +19,12 @@ import difflib
 import math
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from postproc.averaging.registry import WrongSetting, make_cells
 from postproc.fields import AT_POINTS, IN_CELLS, OF_STATE, Field, Subject
+from postproc.geometry import ring_walls
 from postproc.macro.coordination import MINIMUM_CONTACTS
 from postproc.options import INPUT_WRONG, check_places, parser
 from postproc.results import Averages, Value
@@ -55,6 +57,7 @@ def average(
     reference: Snapshot | None = None,
     rate: float | None = None,
     gravity: Sequence[float] | None = None,
+    centre: Sequence[float] | None = None,
 ) -> Averages:
     """Average a state over cells; what the state cannot give is unavailable, with the reason.
 
@@ -73,6 +76,7 @@ def average(
     reference: state that strains and displacements are measured from.
     rate: strain rate for the inertial number, 1/s.
     gravity: (dim,), m/s^2, counted in the balance of forces.
+    centre: (dim,), m, what rings and polar components are about in a state without ring walls; default the origin.
 
     Raises WrongSetting (a ValueError) for unknown cells or fields, cells that overlap or lie outside the sample,
     and settings that make no sense or that the cells do not have.
@@ -83,6 +87,8 @@ def average(
     )
     if not snapshot.particles.rows:
         raise WrongSetting("state: expected at least one particle, got none")
+    if centre is not None:
+        snapshot = _centred(snapshot, centre)
     wanted = _chosen(fields)
     subject = Subject(
         cells=make_cells(
@@ -93,7 +99,7 @@ def average(
         kt=kt,
         reference=reference,
         rate=rate,
-        gravity=_acceleration(gravity, snapshot.dimension),
+        gravity=None if gravity is None else _components("gravity", gravity, snapshot.dimension),
     )
     if fields == ALL and "kernel" not in subject.cells.how:
         wanted = tuple(field for field in wanted if field not in AT_POINTS)
@@ -112,6 +118,13 @@ def average(
         in_cells={f.name: gaps.explain(f.name, f.evaluate(subject)) for f in wanted if f not in OF_STATE},
         of_state={f.name: f.evaluate_state(subject) for f in wanted if f in OF_STATE},
     )
+
+
+def _centred(snapshot: Snapshot, centre: Sequence[float]) -> Snapshot:
+    """Return the state with a centre of its own. Raises WrongSetting where ring walls have one already."""
+    if ring_walls(snapshot).size:
+        raise WrongSetting("centre: expected none for a state with ring walls, whose centre it is, got one")
+    return replace(snapshot, centre=_components("centre", centre, snapshot.dimension))
 
 
 def _chosen(names: str | Sequence[str]) -> tuple[Field, ...]:
@@ -141,15 +154,14 @@ def _check_settings(
         raise WrongSetting(f"minimum contacts: expected a whole number >= 1, got {minimum_contacts}")
 
 
-def _acceleration(gravity: Sequence[float] | None, dimension: int) -> tuple[float, ...] | None:
-    if gravity is None:
-        return None
-    if len(gravity) != dimension:
-        raise WrongSetting(f"gravity: expected {dimension} components, got {len(gravity)}")
-    if not all(math.isfinite(g) and abs(g) < LARGEST for g in gravity):
-        got = " ".join(f"{g:g}" for g in gravity)
-        raise WrongSetting(f"gravity: expected finite components below {LARGEST:g}, got {got}")
-    return tuple(gravity)
+def _components(name: str, values: Sequence[float], dimension: int) -> tuple[float, ...]:
+    """Return a vector of the right length with finite components. Raises WrongSetting."""
+    if len(values) != dimension:
+        raise WrongSetting(f"{name}: expected {dimension} components, got {len(values)}")
+    if not all(math.isfinite(v) and abs(v) < LARGEST for v in values):
+        got = " ".join(f"{v:g}" for v in values)
+        raise WrongSetting(f"{name}: expected finite components below {LARGEST:g}, got {got}")
+    return tuple(values)
 
 
 def main(arguments: Sequence[str] | None = None, *, prog: str = "python -m postproc") -> int:
@@ -177,7 +189,7 @@ def _average_file(words: argparse.Namespace) -> Averages:
         "cells": words.cells, "fields": words.fields, "weights": words.weights, "frame": words.frame_of,
         "kernel": words.kernel, "width": words.width, "margin": words.margin,
         "minimum_contacts": words.minimum_contacts, "kn": words.kn, "kt": words.kt, "rate": words.rate,
-        "gravity": words.gravity,
+        "gravity": words.gravity, "centre": words.centre,
     }
     if words.reference is not None:
         settings["reference"] = read_state(words.reference)

@@ -62,10 +62,10 @@ def ring_walls(snapshot: Snapshot) -> np.ndarray:
 
 
 def centre(snapshot: Snapshot) -> np.ndarray:
-    """Centre of the ring walls, (dim,), m; the origin without any. MissingColumn when they have several."""
+    """Centre of the ring walls, (dim,), m; without any the one given, else the origin. MissingColumn for several."""
     rings = ring_walls(snapshot)
     if not rings.size:
-        return np.zeros(snapshot.dimension)
+        return np.zeros(snapshot.dimension) if snapshot.centre is None else np.array(snapshot.centre)
     middles = vector(snapshot.walls, "p", snapshot)[rings]
     apart = np.abs(middles - middles[0])[:, :2].max()
     if apart > CONCENTRIC * snapshot.walls["radius"][rings].max():

@@ -52,6 +52,8 @@ def parser(prog: str) -> argparse.ArgumentParser:
         "default the first frame of a trajectory")
     add("--rate", type=_number, metavar="R", help="strain rate for the inertial number, 1/s")
     add("--gravity", type=_number, nargs="+", metavar="G", help="components of gravity, m/s^2")
+    add("--centre", type=_number, nargs="+", metavar="C", help="what rings and polar components are about, m; default "
+        "the centre of the ring walls, without any the origin")
     add("--out", type=_folder, metavar="DIR", help=f"write {', '.join(FILES[:-1])} and {FILES[-1]} there")
     add("--json", metavar="FILE", help="write JSON; - for standard output, in place of the table")
     return made

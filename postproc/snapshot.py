@@ -77,7 +77,8 @@ class Snapshot:
     """One state. `contacts` is None when they were not recorded (which differs from having none).
 
     box: (dim, 2) lower and upper bounds of the region the particles live in (for a box with four
-    walls: the walls' positions), or None. periodic: one bool an axis.
+    walls: the walls' positions), or None. periodic: one bool an axis. centre: (dim,), what polar components and rings
+    are about where no ring walls say it, None for the origin.
     """
 
     time: float
@@ -88,6 +89,7 @@ class Snapshot:
     box: np.ndarray | None = None
     periodic: tuple[bool, ...] | None = None
     thickness: float = 1.0
+    centre: tuple[float, ...] | None = None
 
     @property
     def per_thickness(self) -> bool:

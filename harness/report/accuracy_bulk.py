@@ -43,9 +43,9 @@ FRONT_NOTE = (
     "with what the other knobs leave at their declared values."
 )
 RUNG_NOTE = (
-    "CPU time is that of the engine's own process for one whole test, set-up and output taken off as far as the engine "
-    "tells them, the median over packings; rungs that failed have none. To the same strain or angle: a faster drive "
-    "takes less physical time."
+    "CPU time is that of the engine's own process for one whole test, shared out among set-up, run and output as the "
+    "engine tells them; the run's, median over packings; rungs that failed have none. To the same strain or angle: a "
+    "faster drive takes less physical time."
 )
 
 

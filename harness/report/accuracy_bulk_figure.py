@@ -64,7 +64,7 @@ def _look(done: BulkAccuracy, engine: str) -> dict:
 
 
 def _draw_errors(axes, done: BulkAccuracy, ladders: list[Ladder]) -> None:
-    runs_change = any(time_exponent(la) is not None for la in ladders)
+    runs_change = ladders[0].knob.words or any(time_exponent(la) is not None for la in ladders)
     for ladder in ladders:
         known = [(r, e) for r, e in ladder.known(done.quantity) if r.seconds is not None and e.most > 0.0]
         for rung, error in known:

@@ -102,9 +102,9 @@ def _order_row(done: BulkAccuracy, ladder: Ladder, name: str) -> dict:
 
 
 def time_exponent(ladder: Ladder) -> float | None:
-    """Return q in time ~ x^-q over the rungs that have a time; None where the knob changes no run."""
+    """Return q in time ~ x^-q over the rungs that have a time; None where the knob changes no run, or is of words."""
     timed = [(r.x, r.seconds) for r in ladder.rungs if r.seconds]
-    if len({x for x, _ in timed}) < 2 or len({s for _, s in timed}) < 2:
+    if ladder.knob.words or len({x for x, _ in timed}) < 2 or len({s for _, s in timed}) < 2:
         return None
     x, seconds = np.log(np.array(timed).T)
     return float(-np.polyfit(x, seconds, 1)[0])

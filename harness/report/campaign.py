@@ -14,8 +14,9 @@ from harness.studies.verdict import Check
 VERDICT_NOTE = (
     "agrees / differs: a declared tolerance was met or not. inconclusive: the data cannot decide, for example one "
     "packing after chaos has set in. not checked: there was nothing to check, which is never a pass. known difference: "
-    "explained where all checks stand. Under a verdict: the deviation beside its tolerance (over replicates: beside "
-    "the margin where codes agree, else beside what chance alone gives). Levels: L1 collision, L2 trajectory until "
+    "explained where all checks stand. Under a verdict: the deviation beside its tolerance, and of how many samples it "
+    "is the largest; of statistics beside what equal codes differ by at most by chance, and the margin that a "
+    "difference must be shown to be smaller than. Levels: L1 collision, L2 trajectory until "
     "chaos, L3 statistics over packings, run: a property that one run must have."
 )
 RUN_NOTE = "A run that failed, or an engine that is missing, is listed with its reason."

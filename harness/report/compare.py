@@ -105,10 +105,12 @@ def _write_picture(comparison: Comparison, path: Path) -> Path | None:
 
 
 def check_rows(comparison: Comparison) -> list[dict]:
-    """One row a check, in the order in which they were made."""
+    """One row a check, in the order in which they were made; of comparisons with statistics what chance gives, too."""
+    chance = any(c.chance is not None for c in comparison.checks)
     return [
         {"verdict": c.verdict, "level": c.level, "quantity": c.quantity, "left": c.left, "right": c.right,
-         "deviation": c.deviation, "tolerance": c.tolerance, "why": c.why}
+         "deviation": c.deviation, "tolerance": c.tolerance, **({"by chance": c.chance} if chance else {}),
+         "why": c.why}
         for c in comparison.checks
     ]
 

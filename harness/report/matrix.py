@@ -83,10 +83,17 @@ def _cell(checks: Sequence[Check]) -> Cell:
 
 
 def _size(check: Check) -> str:
-    """Write the deviation beside its tolerance: "2e-10 ≤ 1e-06"; "" if it was not computed."""
+    """Write the deviation beside its tolerance: "2e-10 ≤ 1e-06, of 10 samples"; "" if it was not computed.
+
+    Of statistics beside the margin and what chance alone gives, as neither is a limit of what was measured.
+    """
     if check.deviation is None:
         return ""
+    if check.chance is not None:
+        margin = "" if check.tolerance is None else f", margin {text(check.tolerance)}"
+        return f"{text(check.deviation)}; chance {text(check.chance)}{margin}"
     if check.tolerance is None:
         return text(check.deviation)
     sign = "≤" if check.deviation <= check.tolerance else ">"
-    return f"{text(check.deviation)} {sign} {text(check.tolerance)}"
+    samples = "" if check.samples is None else f", of {check.samples} sample{'s' if check.samples != 1 else ''}"
+    return f"{text(check.deviation)} {sign} {text(check.tolerance)}{samples}"

@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from harness.report.page import Section
+from harness.studies.statistics.family import replicates_in_words
 
 if TYPE_CHECKING:
-    from harness.studies.statistics.family import Judged
+    from harness.studies.statistics.family import Judged, Replicates, Terms
 
 
 def replicate_rows(judged: Sequence[Judged]) -> list[dict]:
@@ -24,27 +25,45 @@ def _row(j: Judged) -> dict:
         "left, mean": t.left[0], "left, standard error": t.left[1], "right, mean": t.right[0],
         "right, standard error": t.right[1], "left, error of one run": m.run_error(pair.left),
         "right, error of one run": m.run_error(pair.right), "replicates": d.count,
-        "design": "paired" if d.paired else "independent", "scale": t.scale, "difference": j.relative,
+        "design": t.design, "scale": t.scale, "difference": j.relative,
         "standard error": j.error, "degrees of freedom": d.dof, "p": t.p, "p, adjusted": j.adjusted,
-        "by chance": j.chance, "resolvable": j.resolvable, "p of equivalence": j.equivalence,
-        "margin": j.terms.margin, "replicates to settle": j.settle,
+        "by chance": j.chance, "margin": j.terms.margin, "resolvable": j.resolvable,
+        "p of equivalence, adjusted": j.equivalence,
+        **{f"replicates to settle{which}": n for which, n in _needed(j.settle).items()},
     }
+
+
+def _needed(settle: Replicates | None) -> dict[str, int | None]:
+    return {"": settle and settle.count, ", from": settle and settle.low, ", to": settle and settle.high}
 
 
 PAGE = (
     "verdict", "quantity", "unit", "left", "right", "left, mean", "left, standard error", "right, mean",
-    "right, standard error", "replicates", "difference", "standard error", "p, adjusted", "resolvable",
-    "p of equivalence", "replicates to settle",
+    "right, standard error", "replicates", "difference", "standard error", "by chance", "margin", "p, adjusted",
+    "p of equivalence, adjusted", "resolvable",
 )
-"""Columns on the page; all are in the CSV table."""
+"""Columns on the page, which adds the replicates that would settle it in words; all are in the CSV table."""
 
 
 def replicate_sections(judged: Sequence[Judged]) -> list[Section]:
     """Return the section of the page; none without replicates."""
     if not judged:
         return []
-    rows = [{name: row[name] for name in PAGE} for row in replicate_rows(judged)]
-    return [Section(heading="Over replicates: differences with error bars", note=_note(judged), rows=rows)]
+    return [Section(
+        heading="Over replicates: differences with error bars", note=_note(judged), rows=replicate_page_rows(judged)
+    )]
+
+
+def replicate_page_rows(judged: Sequence[Judged]) -> list[dict]:
+    """The same for people."""
+    return [
+        {**{name: row[name] for name in PAGE}, "would settle it": _settling(j)}
+        for row, j in zip(replicate_rows(judged), judged, strict=True)
+    ]
+
+
+def _settling(j: Judged) -> str | None:
+    return replicates_in_words(j.settle) if j.settle else None
 
 
 def _note(judged: Sequence[Judged]) -> str:
@@ -56,10 +75,33 @@ def _note(judged: Sequence[Judged]) -> str:
     )
     return (
         f"Difference, its standard error and what is resolvable are parts of the quantity (of a volume strain: of the "
-        f"axial strain). {design}"
-        f"If all codes were equal, one false alarm or more among these {len(judged)} checks would come with a "
-        f"probability of {terms.false_alarms:g} at most (Holm's adjusted p). Resolvable: the true difference that this "
-        f"number of replicates sees with a probability of 0.8. Equivalence: the difference is shown to be smaller than "
-        f"the margin of {100 * terms.margin:g} % where its p is below {terms.false_alarms:g}; that none was seen shows "
-        f"nothing by itself. Published values are judged each by its own prediction interval."
+        f"axial strain). {design}{error_rates(terms, len(judged))} Resolvable: the true difference that this number of "
+        f"replicates sees with a probability of 0.8. Published values are judged each by its own prediction "
+        f"interval.\n{looking_again(terms)}"
+    )
+
+
+def error_rates(terms: Terms, checks: int) -> str:
+    """Say how often differences and agreements are false, among how many checks."""
+    alone = checks * terms.false_alarms
+    return (
+        f"If all codes were equal, one false alarm or more among these {checks} checks would come with a probability "
+        f"of {terms.false_alarms:g} at most (Holm's adjusted p); by chance: the difference that equal codes show at "
+        f"that rate. Equivalence: the difference is shown to be smaller than the margin of {100 * terms.margin:g} % "
+        f"where its p, adjusted in the same way, is {terms.false_alarms:g} or less, so that with a probability of "
+        f"{1 - terms.false_alarms:g} or more none of the checks that agree is wrong. (Each at {terms.false_alarms:g} "
+        f"for itself, up to {alone:.2g} of {checks} could falsely agree.) That no difference was seen shows nothing by "
+        f"itself."
+    )
+
+
+def looking_again(terms: Terms) -> str:
+    """Say that the number of replicates belongs fixed beforehand, and what looking again costs."""
+    return (
+        f"These levels hold for one look at a number of replicates that was fixed before the first of them ran. Who "
+        f"adds replicates until something passes looks several times: declare half the rate for each further look "
+        f"(compare.false_alarms = {terms.false_alarms / 2:g}, {terms.false_alarms / 4:g}, ...), which keeps all "
+        f"looks together below {2 * terms.false_alarms:g}. The number that would settle a check is that of a second "
+        f"look, at half the level, with a probability of 0.8 if the difference is as it was found; in brackets the "
+        f"same for the scatter at the ends of its 90 % interval, as few replicates know it badly."
     )

@@ -132,7 +132,10 @@ class _Run:
             record = record_file(path)
         keep = {*self.deck, path.name, "identity.json"}
         native = settle_native(self.folder.path, keep=keep, policy=self.native)
-        return {"status": "completed", "reason": "", "trajectory": record, "native": native}
+        return {
+            "status": "completed", "reason": "", "trajectory": record, "native": native,
+            "files": self.folder.records(),
+        }
 
     @contextmanager
     def _timed(self, phase: str) -> Iterator[None]:

@@ -40,6 +40,9 @@ log = logging.getLogger(__name__)
 
 IDENTITY, LOCKS, TRASH = "identity.json", ".locks", ".trash"
 
+UNRECORDED = ("outcome.json", "running.lock")
+"""Files of a run whose content says nothing of it, or is what the others are recorded in."""
+
 LOCK_POLL = 0.1
 """Seconds between two looks at a taken lock; a blocking wait could not be interrupted."""
 
@@ -205,7 +208,14 @@ class RunFolder:
             return None
         if outcome.trajectory is not None:
             _verify(self.trajectory, outcome.trajectory)
+        for name, record in outcome.files.items():
+            _verify(self.path / name, record)
         return outcome
+
+    def records(self) -> dict[str, FileRecord]:
+        """Return what the files are but the trajectory, by name: deck, the engine's own output, identity.json."""
+        files = (p for p in sorted(self.path.rglob("*")) if p.is_file() and p.name not in UNRECORDED)
+        return {p.relative_to(self.path).as_posix(): record_file(p) for p in files if p != self.trajectory}
 
 
 def deck_digest(deck: Mapping[str, str]) -> str:

@@ -50,7 +50,8 @@ class Outcome(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     cpu_seconds (user + system of the engine's process) and wall_seconds are None if it never ran.
     resumed_at: step from which a killed run went on; CPU time is then that of all parts, elapsed time of the last.
     load_average: runnable processes of the machine at the start; times of a busy machine mislead.
-    native: what became of the engine's own output. trajectory: recorded for completed runs only.
+    native: what became of the engine's own output. trajectory: recorded for completed runs only, and so are
+    `files`, all others in the folder, by name.
     watch: of watched runs the largest size of each quantity, or why there is none; absent from the file otherwise.
     """
 
@@ -79,6 +80,7 @@ class Outcome(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     reproduce: str = ""
     native: str = ""
     trajectory: FileRecord | None = None
+    files: dict[str, FileRecord] = {}
     watch: dict[str, float | str] | msgspec.UnsetType = msgspec.UNSET
 
     def __post_init__(self) -> None:

@@ -23,6 +23,8 @@ class Check:
     left, right: what is compared (engines, or an engine and a reference). deviation, tolerance:
     relative, and for a property with a limit its size and the limit; None when not computed.
     why: one line; of a check that differs it ends with the command that reruns it.
+    chance: of statistics, what equal codes may differ by at this check's rate of false alarms (`tolerance` is then
+    the declared margin). samples: of a pointwise check, how many samples `deviation` is the largest of.
     """
 
     level: Level
@@ -33,6 +35,8 @@ class Check:
     tolerance: float | None
     verdict: Verdict
     why: str
+    chance: float | None = None
+    samples: int | None = None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,8 +10,8 @@ from __future__ import annotations
 from importlib import import_module
 
 VERBS = (
-    "engines", "scene", "decks", "run", "compare", "laws", "bench", "accuracy", "effects", "stability", "frontier",
-    "reproduce", "report", "status",
+    "engines", "scene", "decks", "run", "compare", "laws", "bench", "accuracy", "effects", "advise", "stability",
+    "frontier", "reproduce", "report", "status",
 )
 """Modules of this package, in the order of the help."""
 

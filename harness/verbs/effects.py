@@ -13,8 +13,8 @@ def add(verbs) -> None:
     verb = add_verb(verbs, "effects", _effects, "which effects are on, what each costs and changes")
     verb.add_argument("file", type=Path, metavar="FILE")
     verb.add_argument("--quantity", type=as_names, action="extend", metavar="Q,...",
-                      help="what has to stay; default: of a box friction_angle, plateau_angle, volume_strain, of a "
-                      "ring torque, band_width, of a free scene exit")
+                      help="what has to stay: friction_angle, plateau_angle, stress_ratio, volume_strain, "
+                      "stress_strain; torque, band_width, wall_velocity; exit, velocity, spin; default: the first")
     verb.add_argument("--tolerance", type=float, metavar="T", help="part of it; default: 0.05, of free scenes 0.01")
     add_names(verb, "effect", "effects that are switched, blanks as _; default: all")
     add_names(verb, "engine", "timed and checked; default: lammps,liggghts,kernel:talk")

@@ -65,9 +65,16 @@ class Cells(ABC):
 
     @property
     def how(self) -> Mapping[str, str | float]:
-        """How particles count, in words and in m: the weights, or kernel and width; empty where there is no choice."""
+        """How particles count, in words and in m: the weights, or kernel and width; in the polar frame its centre."""
         weights = getattr(self, "weights", None)
-        return {} if weights is None else {"weights": weights}
+        return ({} if weights is None else {"weights": weights}) | self._about
+
+    @property
+    def _about(self) -> Mapping[str, str]:
+        """The centre that components are about, in the polar frame."""
+        if self.frame == CARTESIAN:
+            return {}
+        return {"centre (m)": " ".join(f"{c:g}" for c in centre(self.snapshot))}
 
     @property
     @abstractmethod

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -86,17 +87,21 @@ def _refuse_outside(cells: HalfPlane, word: str) -> None:
 def _below(lengths: list[float], normal: list[float], distance: float) -> float:
     """Volume of {0 <= x <= lengths, n . x <= distance}.
 
-    One axis: a length. More: the cross-section is piecewise a polynomial of degree dim - 1 <= 2 along the last
-    axis, with breaks where the plane passes a corner, so Simpson's rule between the breaks is exact.
+    Axes along the plane multiply. Across one axis: a length. Across more, the cross-section is continuous and piecewise
+    a polynomial of degree dim - 1 <= 2 along the last axis, with breaks where the plane passes a corner, so that
+    Simpson's rule between the breaks is exact.
     """
+    along = math.prod(length for length, n in zip(lengths, normal, strict=True) if n == 0)
+    across = [(length, n) for length, n in zip(lengths, normal, strict=True) if n != 0]
+    return along * _below_across(*map(list, zip(*across, strict=True)), distance)
+
+
+def _below_across(lengths: list[float], normal: list[float], distance: float) -> float:
+    """The same where no component of the normal is 0."""
     (*rest, length), (*others, n) = lengths, normal
     if not rest:
-        if n == 0:
-            return length if distance >= 0 else 0.0
         end = min(max(distance / n, 0.0), length)
         return end if n > 0 else length - end
-    if n == 0:
-        return length * _below(rest, others, distance)
     corners = np.array([0.0])
     for edge, m in zip(rest, others, strict=True):
         corners = np.concatenate([corners, corners + edge * m])
@@ -105,6 +110,6 @@ def _below(lengths: list[float], normal: list[float], distance: float) -> float:
     volume = 0.0
     for low, high in zip(breaks[:-1], breaks[1:], strict=True):
         ends, middle = ((low, high), (low + high) / 2.0)
-        sections = [_below(rest, others, distance - n * z) for z in (*ends, middle)]
+        sections = [_below_across(rest, others, distance - n * z) for z in (*ends, middle)]
         volume += (high - low) / 6.0 * (sections[0] + sections[1] + 4.0 * sections[2])
     return float(volume)

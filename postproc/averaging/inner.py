@@ -8,7 +8,8 @@ from functools import cached_property
 import numpy as np
 
 from postproc.averaging.cells import Entries, Weighted
-from postproc.averaging.partition import CENTRE, entries_of, placed, shares_in_rectangles
+from postproc.averaging.partition import AREA, entries_of, placed, shares_in_rectangles
+from postproc.averaging.words import WrongSetting
 from postproc.geometry import box_bounds, periodic_axes, volume_between
 from postproc.snapshot import MissingColumn
 
@@ -21,16 +22,21 @@ died out there; the right margin of a study is the one beyond which its answer s
 class Inner(Weighted):
     """The box inset by `margin` (m) on every axis with walls.
 
-    weights "centre" (default): 1 for a centre inside, 0 outside, so a particle across the border counts
-    whole or not at all. Averages over many borders or packings are right (as many parts stick out as
-    stick in); one snapshot scatters by about (border particles)^(1/2) / (particles). In an ordered packing
-    aligned with the border the error does not average out. weights "area": exact fractions.
+    weights "area": exact fractions of the particles that the border cuts. "centre": 1 for a centre inside, 0 outside;
+    averages over many borders or packings are right (as many parts stick out as stick in), one snapshot scatters by
+    about (border particles)^(1/2) / (particles), and in an ordered packing aligned with the border the error does not
+    average out. A margin is inset from walls only; with none it is refused.
     """
 
     margin: float | None = None
-    weights: str = CENTRE
+    weights: str = AREA
 
     labels = ("inner",)
+
+    def __post_init__(self) -> None:
+        """Raise WrongSetting for a margin where no axis has walls."""
+        if self.margin is not None and periodic_axes(self.snapshot).all():
+            raise WrongSetting("margin: expected none in a box without walls, where there is no border to leave out")
 
     @cached_property
     def bounds(self) -> np.ndarray:

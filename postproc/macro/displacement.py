@@ -8,6 +8,9 @@ from postproc.averaging.cells import Cells, divide
 from postproc.geometry import nearest_image, particle_volumes, positions
 from postproc.snapshot import MissingColumn, Snapshot
 
+SAME = 1e-6
+"""Relative: how far the radius of a particle may be from the reference's, which may have been written in few digits."""
+
 
 def displacements(cells: Cells, reference: Snapshot | None) -> np.ndarray:
     """u^p = x^p - x^p(reference), (N, dim), m, in the cells' frame, at the particle's present place.
@@ -68,4 +71,8 @@ def _rows(snapshot: Snapshot, reference: Snapshot) -> np.ndarray:
     strangers = int((known[rows] != ids).sum())
     if strangers:
         raise MissingColumn(f"{strangers} of {len(ids)} particles are not in the reference state")
+    now, before = snapshot.particles["radius"], reference.particles["radius"][rows]
+    others = int((np.abs(now - before) > SAME * now).sum())
+    if others:
+        raise MissingColumn(f"{others} of {len(ids)} particles have another radius there: not the same particles")
     return rows

@@ -54,6 +54,28 @@ def check_snapshot(path: Path, snapshot: Snapshot, place: str = "") -> Snapshot:
     return snapshot
 
 
+def check_places(path: Path, snapshot: Snapshot) -> Snapshot:
+    """Return the snapshot if nothing lies beyond its box, if it has one; raise ReadError at the first fault.
+
+    On axes that are not periodic centres lie in the box, contact points within the largest radius of it. For states
+    made by hand or by other codes; a run that lost a particle is read and judged by who made it.
+    """
+    check = _Check(path, "")
+    reach = snapshot.particles["radius"].max(initial=0.0)
+    periodic = snapshot.periodic or (False,) * snapshot.dimension
+    for axis, bounds, free in zip(snapshot.axes, () if snapshot.box is None else snapshot.box, periodic, strict=False):
+        if free:
+            continue
+        low, high = bounds
+        x = snapshot.particles[axis]
+        check.all_good((low <= x) & (x <= high), x, f"particles.{axis}", f"a centre in the box, {low:g} to {high:g}")
+        if snapshot.contacts is not None:
+            p = snapshot.contacts["p" + axis]
+            near = (low - reach <= p) & (p <= high + reach)
+            check.all_good(near, p, f"contacts.p{axis}", f"a point in the box, {low:g} to {high:g}")
+    return snapshot
+
+
 class _Check:
     """Single checks; rows are counted from 1 in messages."""
 

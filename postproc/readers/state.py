@@ -26,7 +26,7 @@ from pathlib import Path
 
 import numpy as np
 
-from postproc.readers.check import check_snapshot, wrong
+from postproc.readers.check import check_places, check_snapshot, wrong
 from postproc.readers.state_formats import ATTRIBUTES, RawState, format_of
 from postproc.readers.walls import box_from_walls
 from postproc.snapshot import Columns, Snapshot
@@ -49,7 +49,7 @@ def read_state(path: Path, *, frame: int | None = None) -> Snapshot:
         return check_snapshot(path, trajectory.frames[k], f"frame {k}: ")
     if frame is not None:
         raise wrong(path, "frame", "a trajectory, which has frames", "a single state")
-    return check_snapshot(path, _snapshot(path, format_of(path).read(path)))
+    return check_places(path, check_snapshot(path, _snapshot(path, format_of(path).read(path))))
 
 
 def write_state(path: Path, snapshot: Snapshot) -> None:

@@ -42,6 +42,16 @@ def test_of_several_checks_in_a_cell_the_worst_is_shown_and_counted(check):
     assert shown(matrix) == {("force", ("a", "b")): ("differs", "2 of 5, 0.2 > 0.01")}
 
 
+def test_the_number_of_samples_stands_beside_what_is_the_largest_of_them(check):
+    (matrix,) = matrices([check(deviation=1e-3, samples=2)], ["a", "b"])
+    assert shown(matrix)["force", ("a", "b")] == ("agrees", "0.001 ≤ 0.01, of 2 samples")
+
+
+def test_statistics_stand_beside_chance_and_margin(check):
+    (matrix,) = matrices([check("inconclusive", deviation=0.1, tolerance=0.05, chance=0.3)], ["a", "b"])
+    assert shown(matrix)["force", ("a", "b")] == ("inconclusive", "0.1; chance 0.3, margin 0.05")
+
+
 def test_a_deviation_that_is_no_number_is_not_within_its_tolerance(check):
     (matrix,) = matrices([check("differs", deviation=float("nan"))], ["a", "b"])
     assert shown(matrix)["force", ("a", "b")] == ("differs", "nan > 0.01")

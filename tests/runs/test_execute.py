@@ -123,6 +123,10 @@ def edit(folder, old, new):
     (lambda f: (f / "trajectory.h5").unlink(), "trajectory.h5 is missing"),
     (lambda f: os.truncate(f / "trajectory.h5", 1000), "trajectory.h5 has 1000 bytes"),
     (lambda f: flip(f / "trajectory.h5"), "SHA-256 differs"),
+    (lambda f: (f / "series.txt").unlink(), "series.txt is missing"),
+    (lambda f: flip(f / "frames.jsonl"), "frames.jsonl is not what was written (SHA-256"),
+    (lambda f: os.truncate(f / "fake.log", 0), "fake.log has 0 bytes"),
+    (lambda f: flip(f / "deck.json"), "deck.json is not what was written"),
     (lambda f: os.truncate(f / "outcome.json", 100), "outcome.json is damaged"),
     (lambda f: edit(f, '"cpu_seconds": ', '"cpu_seconds": 1'), "outcome.json is not what was written (SHA-256"),
     (lambda f: edit(f, '"steps_done": 12', '"steps_done": 11'), "outcome.json is not what was written"),
@@ -141,9 +145,9 @@ def test_damage_is_reported_in_one_line_and_redone(engine, system, root, begun, 
 
 
 @pytest.mark.parametrize(("damage", "said"), [
-    (lambda f: flip(f / "deck.json"), "deck.json is not what was run"),
+    (lambda f: flip(f / "deck.json"), "deck.json is not what was written (SHA-256 differs)"),
     (lambda f: (f / "deck.json").unlink(), "deck.json is missing"),
-    (lambda f: (f / "identity.json").write_text("{}"), "identity.json is not what was run"),
+    (lambda f: (f / "identity.json").write_text("{}"), "identity.json has 2 bytes, "),
 ])
 def test_a_deck_that_was_edited_is_not_taken_for_what_was_run(engine, system, root, begun, caplog, damage, said):
     _, folder = run_one(engine, system, root, time_limit=LIMIT)
@@ -151,7 +155,9 @@ def test_a_deck_that_was_edited_is_not_taken_for_what_was_run(engine, system, ro
     run_one(engine, system, root, time_limit=LIMIT)
     run_one(engine, system, root, time_limit=LIMIT)
     assert begun() == 2
-    assert caplog.messages == [f"{folder.name}: {said}; run again"]
+    (line,) = caplog.messages
+    assert line.startswith(f"{folder.name}: {said}")
+    assert line.endswith("; run again")
 
 
 def test_unfinished_folder_is_redone_from_clean(engine, system, root, begun, caplog):

@@ -113,9 +113,9 @@ LIMITED = ("dt", "stiffness", "rate", "size", "width")
 """Knobs that `all` means: those whose errors tend to nothing."""
 
 WITHOUT = {
-    (Free, "stiffness"): "only scenes with many contacts at a time have a stiff limit of their own",
+    (Free, "stiffness"): "softer bodies part later; set it in a copy of the scene and compare the two",
     (Free, "rate"): "nothing drives free bodies", (Free, "size"): "every body of it was placed by hand",
-    (Free, "width"): "nothing is averaged there", (Free, "law"): "compare two scene files instead",
+    (Free, "width"): "nothing is averaged there", (Free, "law"): "set it in a copy of the scene and compare the two",
     (Couette, "size"): "the density decides on a band, and another number of discs has another density",
 }
 """Why a kind of scene lacks a knob that others have."""

@@ -20,7 +20,7 @@ import numpy as np
 from harness.engines.registry import ENGINES, KERNEL_PREFIX, choose_engines
 from harness.errors import InputError
 from harness.runs.folder import runs_root
-from harness.runs.outcome import Host, host_facts
+from harness.runs.outcome import Host, Outcome, host_facts
 from harness.runs.pool import Done, run_many
 from harness.scene.model import MOST_PACKINGS, Biaxial, Couette
 from harness.studies.accuracy.asked import Asked
@@ -238,21 +238,33 @@ def _rung(setting: Setting, engine: str, done: Mapping[Key, Done], measured: Map
         of = f"{len(failed)} of {len(outcomes)} packings: " if len(failed) < len(outcomes) else ""
         return Rung(**facts, status=failed[0].status, reason=of + failed[0].reason, values={}, seconds=None)
     width = OWN_WIDTH if setting.width is None else setting.width
-    each = tuple(_seconds(o) for o in outcomes)
+    parts = [cpu_parts(o) for o in outcomes]
     return Rung(
-        **facts, status="completed", reason="", values=_together([measured[k][width] for k in keys]), each=each,
-        seconds=float(np.median(each)), setup=_median(outcomes, "setup"), output=_median(outcomes, "output"),
+        **facts, status="completed", reason="", values=_together([measured[k][width] for k in keys]),
+        each=tuple(p["run"] for p in parts), seconds=_median(parts, "run"), setup=_median(parts, "setup"),
+        output=_median(parts, "output"),
     )
 
 
-def _seconds(outcome) -> float:
-    """CPU time of the engine's process without set-up and output, as far as the engine tells them."""
-    apart = sum(outcome.timings.get(name, 0.0) for name in ("setup", "output"))
-    return max(outcome.cpu_seconds - apart, 0.0)
+def cpu_parts(outcome: Outcome) -> dict[str, float]:
+    """Return CPU seconds of the engine's process by phase: "run", and "setup", "output" where the engine tells them.
+
+    Engines tell phases by a clock of their own: of the processor (they fit into the CPU time), or of the wall, which
+    on a busy machine shows more; then CPU time is shared out as they are. Where the phases together exceed the elapsed
+    time the output is a part of the run, and is taken off it.
+    """
+    told = {n: outcome.timings[n] for n in ("setup", "run", "output") if n in outcome.timings}
+    whole, cpu, wall = sum(told.values()), outcome.cpu_seconds, outcome.wall_seconds
+    if whole <= cpu:
+        return told
+    if whole > wall:
+        told["run"] -= told.get("output", 0.0)
+        whole = sum(told.values())
+    return {name: cpu * seconds / whole for name, seconds in told.items()}
 
 
-def _median(outcomes: Sequence, name: str) -> float | None:
-    told = [o.timings[name] for o in outcomes if name in o.timings]
+def _median(parts: Sequence[Mapping[str, float]], name: str) -> float | None:
+    told = [p[name] for p in parts if name in p]
     return float(np.median(told)) if told else None
 
 

@@ -10,7 +10,6 @@ import numpy as np
 from harness.studies.accuracy.asked import Knob
 from harness.studies.accuracy.limit import Limit, Order, standard_error
 
-
 ROUNDING = 1e-9
 """Error that is none, whatever its bar."""
 

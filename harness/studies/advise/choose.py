@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from harness.studies.accuracy.asked import KNOBS
+from harness.studies.accuracy.limit import LEAST
 from harness.studies.advise.combine import Part, Total, time_ratio, total
 from harness.studies.advise.evidence import DECIDED, Evidence, KnobLadder, Rung
 from harness.studies.advise.scene import Settings
@@ -28,7 +29,7 @@ class Choice:
     """A setting of all knobs on one engine. rungs: by knob. without: effects left out.
 
     packings: P of `combine`, None if no number keeps the tolerance. seconds: CPU time of one test. declared_seconds: of
-    one test of the scene as declared on this engine.
+    one test of the scene as declared on this engine, None if its setting is on no ladder.
     """
 
     engine: str
@@ -38,7 +39,7 @@ class Choice:
     total: Total
     packings: int | None
     seconds: float
-    declared_seconds: float
+    declared_seconds: float | None
 
     @property
     def settings(self) -> Settings:
@@ -80,27 +81,24 @@ def choices(evidence: Evidence, tolerance: float, *, farther: bool) -> Iterator[
     """Yield every combination of rungs on every engine, with and without the effects that may go."""
     for engine, ladders in evidence.ladders.items():
         turned = {k: _rungs(evidence, ladders[k], farther=farther) for k in DECIDED if k in ladders}
-        own = next((la.own for la in ladders.values() if la.own is not None), None)
-        if own is None or not turned:
-            continue
-        for picked in itertools.product(*turned.values()):
+        for picked in itertools.product(*turned.values()) if turned else ():
             for effects in _effects(evidence, engine):
-                yield _choice(evidence, engine, dict(zip(turned, picked, strict=True)), effects, own, tolerance)
+                yield _choice(evidence, engine, dict(zip(turned, picked, strict=True)), effects, tolerance)
 
 
 def parts_of(evidence: Evidence, engine: str, rungs: Mapping[str, Rung]) -> list[Part]:
-    """Return what each knob brings, its time over that of its own ladder's declared rung."""
-    made = []
-    for knob, rung in rungs.items():
-        own = evidence.ladders[engine][knob].own
-        ratio = rung.seconds / own.seconds if own is not None and own.seconds > 0.0 else 1.0
-        made.append(Part(name=knob, error=rung.error, bar=rung.bar, ratio=ratio))
-    return made
+    """Return what each knob brings, its time over that of its own ladder's reference."""
+    return [
+        Part(name=knob, error=rung.error, bar=rung.bar,
+             ratio=rung.seconds / evidence.ladders[engine][knob].reference.seconds)
+        for knob, rung in rungs.items()
+    ]
 
 
 def _choice(
-    evidence: Evidence, engine: str, rungs: Mapping[str, Rung], effects: Part | None, own: Rung, tolerance: float
+    evidence: Evidence, engine: str, rungs: Mapping[str, Rung], effects: Part | None, tolerance: float
 ) -> Choice:
+    ladders = [evidence.ladders[engine][knob] for knob in rungs]
     parts = parts_of(evidence, engine, rungs)
     parts += [effects] if effects is not None else []
     spread = evidence.spread[engine] or 0.0
@@ -109,8 +107,9 @@ def _choice(
     combined = total(parts, spread)
     return Choice(
         engine=engine, rungs=rungs, parts=tuple(parts), total=combined,
-        without=evidence.reduced.names if effects is not None else (), seconds=own.seconds * time_ratio(parts),
-        packings=combined.packings_for(tolerance), declared_seconds=own.seconds,
+        without=evidence.reduced.names if effects is not None else (),
+        seconds=ladders[0].reference.seconds * time_ratio(parts), packings=combined.packings_for(tolerance),
+        declared_seconds=ladders[0].reference.seconds if all(la.own for la in ladders) else None,
     )
 
 
@@ -133,7 +132,7 @@ def finer_rungs(evidence: Evidence, ladder: KnobLadder) -> list[Rung]:
     None where the ladder shows no error that falls like a power, or no order. The standard error is that of the finest
     rung's error, as the limit is known no better, and the power is not assumed to bring it down.
     """
-    if len(ladder.rungs) < 2 or ladder.state != "extrapolated" or not math.isfinite(ladder.order):
+    if len(ladder.rungs) < 2 or ladder.state != "extrapolated" or not ladder.order >= LEAST:
         return []
     seen = [r for r in ladder.rungs if r.seen]
     if not seen:

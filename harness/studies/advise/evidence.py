@@ -73,8 +73,13 @@ class KnobLadder:
 
     @property
     def own(self) -> Rung | None:
-        """The scene's own setting."""
+        """The scene's own setting, None if the ladder does not have it."""
         return next((r for r in self.rungs if r.declared), None)
+
+    @property
+    def reference(self) -> Rung:
+        """What times are told as multiples of: the scene's own setting, else the finest."""
+        return self.own or self.rungs[-1]
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -247,7 +252,7 @@ def _absent(scene: Scene, measured: Sequence[str]) -> dict[str, str]:
         if knob in measured:
             continue
         lacking = WITHOUT.get((kind, knob))
-        found[knob] = f"the scene has no such knob: {lacking}" if knob not in KNOBS[kind] and lacking else (
+        found[knob] = f"the scene has none: {lacking}" if knob not in KNOBS[kind] and lacking else (
             "not measured: it stays as declared, and its error is in no sum"
         )
     return found

@@ -11,8 +11,10 @@ from msgspec.structs import replace
 from harness.errors import InputError
 from harness.scene.checks import first_fault
 from harness.scene.grains import grains_of
+from harness.scene.load import load_scene
 from harness.scene.model import Free, Scene
-from harness.scene.resolve import known_system
+from harness.scene.numerics import numerics_faults
+from harness.scene.resolve import known_system, resolve
 from harness.studies.accuracy.turn import turned
 from harness.studies.effects.variants import without
 
@@ -35,6 +37,7 @@ def advised_scene(scene: Scene, file: Path, settings: Settings, *, packings: int
         made = replace(made, numerics=replace(made.numerics, dt_fraction=settings.values["dt"]))
     if settings.without:
         made = without(made, settings.without, _grains(made, file))
+    made = _fitting(made, file)
     if packings is not None and not isinstance(made, Free):
         made = replace(made, compare=replace(made.compare, packings=packings))
     return made
@@ -52,6 +55,21 @@ def can_run(scene: Scene, file: Path, settings: Settings) -> bool:
     return True
 
 
+def _fitting(scene: Scene, file: Path) -> Scene:
+    """Look half as often until the few steps of a coarse setting are a multiple of samples and frames."""
+    grains = _grains(scene, file)
+    while any(f.place == "outputs" for f in numerics_faults(scene, grains)):
+        outputs = scene.outputs
+        fewer = {name: max(1, getattr(outputs, name) // 2) for name in ("samples", "frames")}
+        if fewer == {name: getattr(outputs, name) for name in fewer}:
+            return scene
+        scene = replace(scene, outputs=replace(outputs, **fewer))
+    return scene
+
+
 def _grains(scene: Scene, file: Path):
+    """Return the particles as far as they are known: explicit ones do not depend on the step, which may be refused."""
+    if isinstance(scene, Free):
+        return grains_of(scene, resolve(load_scene(file), file).particles)
     system = known_system(scene, file)
     return grains_of(scene, None if system is None else system.particles)

@@ -110,11 +110,11 @@ def _why_not(evidence: Evidence, best: Choice | None, tolerance: float) -> tuple
         )
     left = tolerance - found.systematic
     if found.noise >= left:
-        needed = math.ceil(evidence.packings * (found.noise / left) ** 2 * (1.0 + 1e-9)) + 1
+        needed = math.ceil(2.0 * evidence.packings * (found.noise / left) ** 2 * (1.0 - 1e-12))
         return (
             f"the tolerance lies below the statistical floor of these ladders: their errors are known to "
-            f"{_percent(found.noise)} from {evidence.packings} packings; about {needed} packings in the ladders would "
-            "be needed", needed
+            f"{_percent(found.noise)} from {evidence.packings} packings; about {needed} in the ladders would be "
+            "needed, which leaves half of the variance to the packings of the answer", needed
         )
     return f"one packing scatters by {_percent(found.spread)}: more packings would be needed than there may be", None
 

@@ -69,8 +69,8 @@ def _window_check(pair: Pair, limit: float, curves: Followeds, rerun: str, facts
     if not all(d.size for d in inside):
         return not_checked(**facts, why="no sample lies in this range")
     samples = np.concatenate(inside)
-    return judged(**facts, deviation=float(samples.max()), why=f"largest of {samples.size} samples{_of(both)}",
-                  rerun=rerun)
+    return judged(**facts, deviation=float(samples.max()), samples=samples.size, rerun=rerun,
+                  why=f"largest of {samples.size} samples{_of(both)}")
 
 
 def parting_checks(pairs: Sequence[Pair], curves: Followeds, rerun: Rerun) -> list[Check]:

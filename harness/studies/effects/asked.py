@@ -12,7 +12,7 @@ from harness.errors import InputError
 from harness.scene.describe import nearest
 from harness.scene.effects import EFFECTS
 from harness.scene.model import MOST_PACKINGS, Biaxial, Couette, Free, Scene
-from harness.studies.effects.quantities import USUAL, named_quantities
+from harness.studies.effects.quantities import named_quantities
 from harness.studies.prepare import draws_packings
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ def asked_quantities(scene: Scene, names: Sequence[str] | None) -> tuple[str, ..
     """Return the quantities; raises InputError for one that the scene does not have."""
     known = named_quantities(scene)
     if not names:
-        return tuple(n for n in USUAL[type(scene)] if n in known)
+        return known[:1]
     for name in names:
         if name not in known:
             raise InputError(

@@ -33,11 +33,6 @@ from harness.studies.effects.variants import BASE
 from harness.studies.statistics.family import Measured
 from postproc.trajectory import read_frame, read_trajectory
 
-USUAL: dict[type, tuple[str, ...]] = {
-    Free: ("exit",), Biaxial: ("friction_angle", "plateau_angle", "volume_strain"), Couette: ("torque", "band_width"),
-}
-"""What decides on effects unless the user says otherwise, as far as the scene has it."""
-
 DEVIATIONS = ("exit", "velocity", "spin", "stress_strain")
 """Quantities that are deviations from the scene as declared."""
 
@@ -53,7 +48,7 @@ class VariantRun:
 
 
 def named_quantities(scene: Scene) -> tuple[str, ...]:
-    """Return the quantities that can be asked for, those that this scene is known not to have left out."""
+    """Return the quantities that can be asked for, the usual one first; those that the scene cannot have left out."""
     known = QUANTITIES[type(scene)]
     if isinstance(scene, Biaxial) and scene.compare.plateau is None:
         known = tuple(n for n in known if n not in ("plateau_angle", "stress_ratio"))

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 STEPS, FRAMES = 1200, 12
 """Of one look. One per cent beyond the limit motions grow by 1.3 in a step without dashpots, by 1.02 at least."""
 
+LATE_STEPS = 60_000
+"""Of one look where springs are felt late: their motions grow slowly, by (dt k_t - gamma_t) dt/2m in a step."""
+
 AMPLITUDE = 1e-4
 """Of the start's velocities, in OVERLAP RADIUS sqrt(STIFFNESS/MASS): displacements over overlaps."""
 
@@ -47,15 +50,15 @@ class Look:
     reason: str = ""
 
 
-def disturbed(rest: System, dt: float) -> System:
-    """Return the system at rest with small random motions, to be followed with the step `dt`, s."""
+def disturbed(rest: System, dt: float, steps: int = STEPS) -> System:
+    """Return the system at rest with small random motions, to be followed for so many steps of `dt`, s."""
     rng, p = np.random.default_rng(SEED), rest.particles
     speed = AMPLITUDE * OVERLAP * RADIUS * math.sqrt(STIFFNESS / MASS)
     spins = speed / p.radius[:, None] * rng.normal(size=p.spin.shape) if turns(rest) else p.spin
     moved = {"v": speed * rng.normal(size=p.x.shape), "spin": spins}
     particles = type(p)(**{k: moved.get(k, getattr(p, k)) for k in p.__dataclass_fields__})
-    every = STEPS // FRAMES
-    return rest.with_(particles=particles, dt=dt, steps=STEPS, sample_every=every, frame_every=every)
+    every = steps // FRAMES
+    return rest.with_(particles=particles, dt=dt, steps=steps, sample_every=every, frame_every=every)
 
 
 def turns(system: System) -> bool:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from harness.scene.system import System
-from harness.studies.frontier.probe import Look, disturbed
+from harness.studies.frontier.probe import STEPS, Look, disturbed
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -24,7 +24,7 @@ FIRST = 0.03
 WIDEN = 1.6
 """Factor of the following ones, while the limit is not enclosed."""
 
-LOWEST, HIGHEST = 0.02, 8.0
+LOWEST, HIGHEST = 0.1, 8.0
 """Of the guess: nothing is looked for beyond."""
 
 
@@ -95,12 +95,13 @@ class Search:
 
 @dataclass(frozen=True, kw_only=True)
 class Wanted:
-    """A frontier to be searched for: a system at rest, the engine, and where theory expects it, s."""
+    """A frontier to be searched for: a system at rest, the engine, and where theory expects it, s. steps: of a look."""
 
     label: str
     engine: Engine
     rest: System
     guess: float
+    steps: int = STEPS
 
 
 def search_all(
@@ -117,7 +118,10 @@ def search_all(
     searches = [Search(guess=w.guess, precision=precision) for w in wanted]
     while open_ones := [k for k, s in enumerate(searches) if not s.done]:
         steps = {k: searches[k].next_step() for k in open_ones}
-        jobs = [(wanted[k].label, wanted[k].engine, disturbed(wanted[k].rest, steps[k])) for k in open_ones]
+        jobs = [
+            (wanted[k].label, wanted[k].engine, disturbed(wanted[k].rest, steps[k], wanted[k].steps))
+            for k in open_ones
+        ]
         made = run_many(jobs, root, time_limit=time_limit, workers=workers, native="drop")
         for k, done in zip(open_ones, made, strict=True):
             searches[k].tell(look(done, steps[k]))

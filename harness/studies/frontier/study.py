@@ -21,8 +21,9 @@ from harness.studies.frontier.formula import formula_limit
 from harness.studies.frontier.laws import LawCase
 from harness.studies.frontier.map import AXES
 from harness.studies.frontier.packings import PackingCase, resting_system
+from harness.studies.frontier.probe import LATE_STEPS, STEPS
 from harness.studies.frontier.search import Search, Wanted, search_all
-from harness.studies.frontier.theory import Theory, linear_packing, scheme, theory_of, touching
+from harness.studies.frontier.theory import Theory, felt_late, linear_packing, scheme, theory_of, touching
 
 if TYPE_CHECKING:
     from harness.engines.protocol import Engine
@@ -144,6 +145,11 @@ class _Planned:
     def label(self) -> str:
         return f"{self.engine.name}: {self.case.label}"
 
+    @property
+    def wanted(self) -> Wanted:
+        steps = LATE_STEPS if felt_late(self.engine.name, self.rest) else STEPS
+        return Wanted(label=self.label, engine=self.engine, rest=self.rest, guess=self.theory.guess, steps=steps)
+
 
 def frontiers(
     out: Path, *, full: bool = False, engines: Sequence[str] | None = None, time_limit: float = TIME_LIMIT,
@@ -155,8 +161,9 @@ def frontiers(
     """
     begun = time.monotonic()
     chosen = choose_engines(list(engines)) if engines else tuple(ENGINES[name] for name in USUAL)
-    plan, skipped = _planned(_cases(full=full), chosen, out / "packings")
-    wanted = [Wanted(label=p.label, engine=p.engine, rest=p.rest, guess=p.theory.guess) for p in plan]
+    late = packings.WHOLE if full else packings.QUICK[:1]
+    plan, skipped = _planned(_cases(full=full), chosen, out / "packings", late)
+    wanted = [p.wanted for p in plan]
     searches = _shown(wanted, runs_root(out), time_limit, workers, progress)
     found = tuple(_frontier(p, search) for p, search in zip(plan, searches, strict=True))
     return Frontiers(
@@ -173,8 +180,7 @@ def measured_frontier(
         law=LawCase(name=law, contact=None), packing=PackingCase(name=packing, dimension=rest.dimension, make=None)
     )
     planned = _Planned(case=case, engine=engine, rest=rest, theory=theory_of(rest, engine.name))
-    wanted = Wanted(label=planned.label, engine=engine, rest=rest, guess=planned.theory.guess)
-    return _frontier(planned, *search_all([wanted], root, time_limit=time_limit))
+    return _frontier(planned, *search_all([planned.wanted], root, time_limit=time_limit))
 
 
 def _cases(*, full: bool) -> list[_Case]:
@@ -190,14 +196,17 @@ def _cases(*, full: bool) -> list[_Case]:
     return cases
 
 
-def _planned(cases: list[_Case], engines: Sequence[Engine], cache: Path):
-    """Return every search, and what is left out and why. The map is that of the leapfrog of the codes."""
+def _planned(cases: list[_Case], engines: Sequence[Engine], cache: Path, late: Sequence[PackingCase]):
+    """Return every search, and what is left out and why.
+
+    late: the packings on which springs that are felt late are followed, which takes many steps; not on the map.
+    """
     plan, skipped = [], []
     for case in cases:
         rest = resting_system(case.packing, case.packing.make(cache), case.law)
         known = {late: theory_of(rest, engine) for late, engine in _schemes(engines, rest).items()}
         for engine in _distinct(engines, rest):
-            if case.axis and scheme(engine.name) != "leapfrog" and turning(rest):
+            if felt_late(engine.name, rest) and (case.axis or case.packing not in late):
                 continue
             reason = _refusal(engine, rest)
             if reason:

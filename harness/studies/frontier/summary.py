@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from harness.scene.laws import word
+from harness.studies.frontier.theory import felt_late
 
 if TYPE_CHECKING:
     from harness.scene.system import System
@@ -23,7 +24,7 @@ def scene_rows(done: Frontiers) -> list[dict]:
     """
     groups: dict[tuple, list[Frontier]] = {}
     for f in done.found:
-        if f.measured and not _late(f):
+        if f.measured and not felt_late(f.engine, f.system):
             groups.setdefault((f.system.dimension, *laws_of(f.system), f.engine), []).append(f)
     return [_row(key, group) for key, group in sorted(groups.items())]
 
@@ -32,12 +33,6 @@ def laws_of(system: System) -> tuple[str, ...]:
     """Return the words of the laws of all families, "" where there is none."""
     laws = (getattr(system, family) for family in FAMILIES)
     return tuple("" if law is None else word(law) for law in laws)
-
-
-def _late(f: Frontier) -> bool:
-    from harness.studies.frontier.theory import scheme
-
-    return scheme(f.engine) == "late" and (f.system.sliding is not None or f.system.rolling is not None)
 
 
 def _row(key: tuple, group: list[Frontier]) -> dict:

@@ -50,6 +50,12 @@ def scheme(engine: str) -> str:
     return "late" if engine in LATE else "unknown" if engine in UNKNOWN else "leapfrog"
 
 
+def felt_late(engine: str, rest: System) -> bool:
+    """Whether an engine feels springs of this system one step late."""
+    springs = ((rest.sliding, "shear_stiffness"), (rest.rolling, "rolling_stiffness"))
+    return scheme(engine) == "late" and any(hasattr(law, name) for law, name in springs)
+
+
 def theory_of(rest: System, engine: str) -> Theory:
     """Return the largest stable step of small motions of a system at rest in an engine's scheme."""
     try:

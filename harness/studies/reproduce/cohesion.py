@@ -242,7 +242,8 @@ def _cohesion_chart(lines: Mapping, remembered: Mapping, engines: Sequence[str])
         name="cohesion", x="(k_2 - k_1)/(1 + k_2/k_c) (N/m)", y="macroscopic cohesion c (N/m)",
         caption="Cohesion from the Mohr-Coulomb line against the largest pull of a contact over its overlap; bars: "
         "standard error over packings. Line: the talk's formula.",
-        lines=(*ours, Line(name="talk", x=x, y=talk, look="talk"), Line(name="talk: 1.8e-3 x", x=x, y=formula, look="fit")),
+        lines=(*ours, Line(name="talk", x=x, y=talk, look="talk"),
+               Line(name="talk: 1.8e-3 x", x=x, y=formula, look="fit")),
     )
 
 
@@ -288,14 +289,14 @@ def _words(rows: Sequence[Row], again: Sequence[Row]) -> tuple[str, ...]:
     return (
         f"Ours over the talk's, less one, over all engines. Prepared at p_x: {_apart(rows)}. "
         f"{MEMORY.capitalize()}: {_apart(again)}.",
-        "Prepared at p_x the box has no stress of its own but p_x (contacts are 1e-3 to 1e-2 of a radius deep): sigma_zz "
-        "is then proportional to p_x, adhesion makes the friction angle larger, and the line through both pressures "
-        "meets the origin. The talk's rows differ by nearly the same stress at both pressures, so its contacts must have "
-        "remembered an overlap that does not follow p_x: from a preparation at one pressure, it seems. The second series "
-        "shows how much of that a preparation at the larger pressure brings.",
-        "Not printed in the talk either: rate, mass and damping of the side wall, and where on the curve sigma_zz was "
-        "read. Here the side wall is light, so that the sample carries p_x; packings are frictionless and isotropic, on "
-        "springs k_1.",
+        "Prepared at p_x the box has no stress of its own but p_x (contacts are 1e-3 to 1e-2 of a radius deep): "
+        "sigma_zz is then proportional to p_x, adhesion makes the friction angle larger, and the line through both "
+        "pressures meets the origin. The talk's rows differ by nearly the same stress at both pressures, so its "
+        "contacts must have remembered an overlap that does not follow p_x: from a preparation at one pressure, it "
+        "seems. The second series shows how much of that a preparation at the larger pressure brings.",
+        "Not printed in the talk either: rate, mass and damping of the side wall, and where on the curve sigma_zz "
+        "was read. Here the side wall is light, so that the sample carries p_x; packings are frictionless and "
+        "isotropic, on springs k_1.",
         "LAMMPS has no such law. LIGGGHTS computes its dashpot with up to twelve sizes of discs, hence radii in twelve "
         "steps.",
     )

@@ -21,7 +21,7 @@ import numpy as np
 
 from harness.studies.compare.published import FEWEST, prediction_half_width
 from harness.studies.reproduce.protocol import Measured, Row
-from harness.studies.verdict import Verdict
+from harness.studies.verdict import Check, Verdict, not_checked
 from reference.values import Published, published_values
 
 SMALL = "a quick size: the talk's number is one of its own size, so the deviation is stated and the paper size decides"
@@ -81,6 +81,22 @@ def shown(quantity: str, unit: str, ours: Measured, why: str) -> Row:
         quantity=quantity, unit=unit, ours=ours, talk=None, deviation=None, tolerance=None, verdict="not_checked",
         why=why,
     )
+
+
+def larger_than(limit: float, ours: Measured, *, quantity: str, against: str) -> Check:
+    """Return the check of words without a number: that ours lies above `limit`, its 95 % interval included."""
+    facts = {"level": "L3", "quantity": quantity, "left": ours.engine, "right": against}
+    half = half_width(ours)
+    if not np.isfinite(ours.value):
+        return not_checked(**facts, why="no packing gave this number")
+    said = f"{ours.value:.3g}, to be above {limit:g}"
+    if half is None:
+        return Check(**facts, deviation=None, tolerance=None, verdict="inconclusive", why=f"{said}; one packing")
+    verdict: Verdict = "inconclusive"
+    if abs(ours.value - limit) > half:
+        verdict = "agrees" if ours.value > limit else "differs"
+    why = f"{said}; +- {half:.2g} (95 % interval over {ours.packings} packings)"
+    return Check(**facts, deviation=ours.value, tolerance=None, verdict=verdict, why=why)
 
 
 def half_width(ours: Measured) -> float | None:

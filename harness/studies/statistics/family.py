@@ -1,4 +1,4 @@
-"""Verdicts on many quantities of several pairs of codes at once, from replicates (level L3).
+"""Verdicts on many quantities of several pairs of codes at once, from replicates or time averages (level L3).
 
 For every quantity and pair: the difference with its error (`difference`), whether it is one at all (Student's t, one
 false-alarm rate for the whole family: `multiple`), whether it is shown to be small (`power`), and what the number of
@@ -10,15 +10,25 @@ replicates can tell::
     inconclusive  neither: no evidence of a difference is no evidence of none; more replicates would tell
 
 Codes that compute the same thing differ by round-off before chaos and by nothing on average after it; what is below
-ROUND_OFF is no difference for them. That all of several agreements hold is as sure as each (R. L. Berger, Technometrics
-24, 295 (1982), doi 10.1080/00401706.1982.10487790), so equivalence is not adjusted.
+ROUND_OFF is no difference for them.
+
+Equivalence is adjusted for the number of checks as differences are (Holm): with the declared probability or more *no*
+check that says "agrees" is wrong. Without that each would be right for itself at the declared level, and of 72 whose
+true difference is just the margin 3.6 would falsely agree at 5 %. (A claim that all checks of a report hold at once
+would need no adjustment: R. L. Berger, Technometrics 24, 295 (1982), doi 10.1080/00401706.1982.10487790. But here
+those that hold are picked out and believed one by one.)
+
+The levels are those of one look at a number of replicates fixed beforehand. Who adds replicates until something passes
+looks several times: each further look is to be made at half the level of the one before, which keeps all together below
+twice the declared rate. The number of replicates that is proposed is that of a second look, at half the level
+(`SECOND_LOOK`), and it stands with what it could as well be: the scatter is known from few replicates.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Protocol
 
@@ -34,6 +44,7 @@ from harness.studies.statistics.difference import (
 )
 from harness.studies.statistics.multiple import holm
 from harness.studies.statistics.power import (
+    MOST,
     POWER,
     equivalence_p,
     replicates_to_equate,
@@ -44,6 +55,12 @@ from harness.studies.verdict import Check, Rerun, Verdict
 
 ROUND_OFF = 1e-6
 """Of a quantity's scale: what the shipped scenes allow pointwise between runs that part by round-off alone."""
+
+SECOND_LOOK = 0.5
+"""Of the levels: what a look at more replicates is made at."""
+
+SURE = 0.9
+"""Probability with which the scatter lies in the interval that a proposed number of replicates is given for."""
 
 SAME = ("same_conventions", "same_code")
 """Kinds of pairs that compute the same thing."""
@@ -103,7 +120,11 @@ class Terms:
 
 @dataclass(frozen=True, kw_only=True)
 class Tested:
-    """One quantity of one pair. left, right: mean and its standard error over replicates; scale: see `Measured`."""
+    """One quantity of one pair. left, right: mean and its standard error over replicates; scale: see `Measured`.
+
+    A difference of one run each (its count is 1) has the errors of time averages. doubt: why the error is not to be
+    trusted, "" if it is: then nothing is concluded.
+    """
 
     measured: Measured
     pair: Pair
@@ -112,15 +133,41 @@ class Tested:
     right: tuple[float, float]
     scale: float
     p: float
+    doubt: str = ""
+
+    @property
+    def design(self) -> str:
+        """How the two sides were compared."""
+        if self.difference.count < FEWEST:
+            return "one run each, errors of time averages"
+        return f"{self.difference.count} replicates, {'paired by packing' if self.difference.paired else 'independent'}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Replicates:
+    """How many replicates would settle a check; low, high: the same for a scatter at the ends of its interval (SURE).
+
+    None: more than anybody would make.
+    """
+
+    count: int
+    low: int | None
+    high: int | None
 
 
 @dataclass(frozen=True, kw_only=True)
 class Judged:
-    """A verdict and all that it rests on. adjusted: Holm's p-value. level: of this check within its family."""
+    """A verdict and all that it rests on.
+
+    adjusted, equivalence: Holm's p-values, of "no difference" and of "the margin or more"; level, equivalence_level: of
+    this check within its family.
+    """
 
     tested: Tested
     adjusted: float
     level: float
+    equivalence: float
+    equivalence_level: float
     terms: Terms
 
     @property
@@ -146,14 +193,11 @@ class Judged:
     @property
     def verdict(self) -> Verdict:
         """See the module."""
+        if self.tested.doubt:
+            return "inconclusive"
         if self.seen and (self.tested.pair.kind in SAME or not self.small):
             return "differs"
         return "agrees" if self.small else "inconclusive"
-
-    @cached_property
-    def equivalence(self) -> float:
-        """p-value of "the margin or more"."""
-        return equivalence_p(self.tested.difference, self._margin)
 
     @cached_property
     def chance(self) -> float:
@@ -166,30 +210,60 @@ class Judged:
         return smallest_difference(self.tested.difference, self.level) / self.tested.scale
 
     @cached_property
-    def settle(self) -> int | None:
+    def settle(self) -> Replicates | None:
         """Replicates that would see a difference as large as this, or show that it is small, whichever are fewer.
 
-        None of a check that is settled, or when neither is known to do.
+        None of a check that is settled, or when neither is known to do. The interval is that of the scatter alone,
+        nu s^2/sigma^2 ~ chi^2_nu; the difference itself is taken as it was found.
         """
-        if self.verdict != "inconclusive":
-            return None
         d = self.tested.difference
-        counts = (
-            replicates_to_see(d, self.level), replicates_to_equate(d, self._margin, self.terms.false_alarms)
-        )
-        return min((n for n in counts if n is not None), default=None)
+        if self.verdict != "inconclusive" or d.error == 0.0:
+            return None
+        count = self._needed(1.0)
+        if count is None:
+            return None
+        return Replicates(count=count, low=self._needed(_scatter(d.dof, 1.0)), high=self._needed(_scatter(d.dof, -1.0)))
 
-    @property
-    def _margin(self) -> float:
-        return self.terms.margin * self.tested.scale
+    def _needed(self, scatter: float) -> int | None:
+        """Replicates at a second look if the true scatter is `scatter` times that found, more than there are."""
+        d = replace(self.tested.difference, error=scatter * self.tested.difference.error)
+        counts = (
+            replicates_to_see(d, SECOND_LOOK * self.level),
+            replicates_to_equate(d, margin_of(self.tested, self.terms), SECOND_LOOK * self.equivalence_level),
+        )
+        least = min((n for n in counts if n is not None), default=None)
+        return None if least is None else max(least, d.count + 1)
+
+
+def margin_of(tested: Tested, terms: Terms) -> float:
+    """Return the margin of equivalence in the quantity's unit."""
+    return terms.margin * tested.scale
+
+
+def _scatter(dof: float, side: float) -> float:
+    """Return an end of the interval of sigma/s: side 1 the lower one, -1 the upper one."""
+    from scipy.stats import chi2
+
+    return float(np.sqrt(dof / chi2.ppf(0.5 + side * 0.5 * SURE, dof)))
 
 
 def judge_family(quantities: Sequence[Measured], pairs: Sequence[Pair], terms: Terms) -> list[Judged]:
     """Judge every quantity of every pair that has replicates enough, in this order."""
-    tested = [t for m in quantities for pair in pairs if (t := _tested(m, pair, paired=terms.paired)) is not None]
-    adjusted = holm([t.p for t in tested]).tolist()
-    level = terms.false_alarms / max(1, sum(p > terms.false_alarms for p in adjusted))
-    return [Judged(tested=t, adjusted=p, level=level, terms=terms) for t, p in zip(tested, adjusted, strict=True)]
+    return judge_tests(
+        [t for m in quantities for pair in pairs if (t := _tested(m, pair, paired=terms.paired)) is not None], terms
+    )
+
+
+def judge_tests(tested: Sequence[Tested], terms: Terms) -> list[Judged]:
+    """Judge tests as one family: both kinds of p-values are adjusted for all."""
+    apart = holm([t.p for t in tested]).tolist()
+    alike = holm([equivalence_p(t.difference, margin_of(t, terms)) for t in tested]).tolist()
+    level, equivalence_level = (terms.false_alarms / max(1, sum(p > terms.false_alarms for p in of))
+                                for of in (apart, alike))
+    return [
+        Judged(tested=t, adjusted=p, level=level, equivalence=q, equivalence_level=equivalence_level, terms=terms)
+        for t, p, q in zip(tested, apart, alike, strict=True)
+    ]
 
 
 def _tested(m: Measured, pair: Pair, *, paired: bool) -> Tested | None:
@@ -219,12 +293,12 @@ def _mean(values: np.ndarray) -> tuple[float, float]:
 
 
 def family_checks(judged: Sequence[Judged], rerun: Rerun) -> list[Check]:
-    """Return a check a verdict. deviation: |difference|; tolerance: the margin where it agrees, else chance."""
+    """Return a check a verdict. deviation: |difference|; tolerance: the margin; chance: what equal codes may show."""
     return [
         Check(
             level="L3", quantity=j.tested.measured.quantity, left=j.tested.pair.left, right=j.tested.pair.right,
-            deviation=abs(j.relative), tolerance=j.terms.margin if j.verdict == "agrees" else j.chance,
-            verdict=j.verdict, why=_why(j, len(judged), rerun),
+            deviation=abs(j.relative), tolerance=j.terms.margin, chance=j.chance, verdict=j.verdict,
+            why=_why(j, len(judged), rerun),
         )
         for j in judged
     ]
@@ -240,12 +314,12 @@ def _why(j: Judged, tests: int, rerun: Rerun) -> str:
 
 
 def _sides(j: Judged) -> str:
-    """Say both sides with their errors, and how they were compared."""
+    """Say both sides with their errors, how they were compared, and why the errors may be wrong."""
     t, unit = j.tested, "" if j.tested.measured.unit == "1" else f" {j.tested.measured.unit}"
-    how = "paired by packing" if t.difference.paired else "independent"
+    doubt = f"; {t.doubt}" if t.doubt else ""
     (a, da), (b, db) = t.left, t.right
     sides = f"{a:.4g} +- {da:.2g} and {b:.4g} +- {db:.2g}{unit}"
-    return f"{sides}, {t.difference.count} replicates, {how}: apart by {percent(j.relative)} +- {percent(j.error)}"
+    return f"{sides}, {t.design}: apart by {percent(j.relative)} +- {percent(j.error)}{doubt}"
 
 
 def _apart(j: Judged, tests: int) -> str:
@@ -253,13 +327,38 @@ def _apart(j: Judged, tests: int) -> str:
     if j.seen:
         return f"seen ({among}), {'but shown to be' if j.small else 'not shown to be'} {within}"
     if j.small:
-        return f"shown to be {within} (p = {j.equivalence:.2g})"
+        return f"shown to be {within} (p = {j.equivalence:.2g} among {tests})"
     return f"no difference seen ({among}), which is no evidence of none: not shown to be {within}"
 
 
 def _more(j: Judged) -> str:
+    """Say what could have been seen, and what it would take."""
+    if j.tested.doubt:
+        return "nothing is concluded from errors that are too small"
     would = f"{percent(j.resolvable)} would be seen with probability {POWER:g}"
-    return f"{would}; about {j.settle} replicates would settle it" if j.settle else f"{would}; no number is known to do"
+    if j.settle is None:
+        return f"{would}; no number of replicates is known to do"
+    return f"{would}; about {replicates_in_words(j.settle)} would settle it at half the level, as a second look"
+
+
+def replicates_in_words(needed: Replicates) -> str:
+    """Write a number of replicates as no better known than it is: two digits, upwards, and its interval.
+
+    >>> replicates_in_words(Replicates(count=151, low=80, high=None))
+    '160 replicates (80 to more than 10000)'
+    """
+    high = f"more than {MOST}" if needed.high is None else f"{rounded_up(needed.high)}"
+    return f"{rounded_up(needed.count)} replicates ({rounded_up(needed.low or needed.count)} to {high})"
+
+
+def rounded_up(count: int) -> int:
+    """Round up to two digits.
+
+    >>> rounded_up(151), rounded_up(80), rounded_up(7)
+    (160, 80, 7)
+    """
+    step = 10 ** max(0, len(str(count)) - 2)
+    return -(-count // step) * step
 
 
 def percent(part: float) -> str:

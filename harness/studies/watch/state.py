@@ -16,7 +16,8 @@ from postproc.snapshot import Snapshot
 class State:
     """x, v (N, dim), spin (N, 1 or 3), radius, mass, inertia (N,) of particles; overlap > 0, relative, reduced (C,).
 
-    The latter of all contacts. relative: overlap over the smaller radius; reduced: R* = a_i a_j/(a_i + a_j), a_i at a wall, m.
+    The latter of all contacts. relative: overlap over the smaller radius; reduced: R* = a_i a_j/(a_i + a_j), at a wall
+    a_i, m.
     """
 
     time: float

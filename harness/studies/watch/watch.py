@@ -33,9 +33,14 @@ if TYPE_CHECKING:
     from harness.runs.outcome import Outcome
 
 UNITS = {
-    "kinetic energy": "J", "rotational energy": "J", "elastic energy, normal": "J", "elastic energy, tangential": "J",
-    "energy of weight": "J", "work of walls": "J", "dissipated": "J", "dissipated or in springs": "J", "momentum": "kg m/s", "largest overlap": "1",
-    "largest displacement per step": "1", "lost particles": "1", "numbers not finite": "1", "static residual": "1",
+    **dict.fromkeys((
+        "kinetic energy", "rotational energy", "elastic energy, normal", "elastic energy, tangential",
+        "energy of weight", "work of walls", "dissipated", "dissipated or in springs",
+    ), "J"),
+    "momentum": "kg m/s",
+    **dict.fromkeys((
+        "largest overlap", "largest displacement per step", "lost particles", "numbers not finite", "static residual",
+    ), "1"),
 }
 """Of the curves, in the order of tables."""
 

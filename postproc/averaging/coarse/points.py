@@ -77,7 +77,7 @@ class Points(Cells):
     @property
     def how(self) -> Mapping[str, str | float]:
         """Kernel and width, m."""
-        return {"kernel": self.kernel, "width (m)": float(self.phi.width)}
+        return {"kernel": self.kernel, "width (m)": float(self.phi.width)} | self._about
 
     @cached_property
     def labels(self) -> tuple[str, ...]:

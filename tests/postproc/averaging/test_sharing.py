@@ -266,3 +266,36 @@ def test_half_planes_cut_the_box_like_geometry_says(states):
     for distance, below in {0.5 / root: 1 / 48, 1.5 / root: 0.5, 2.5 / root: 47 / 48}.items():
         found = make_cells(f"halfplane:1,1,1:{float(distance)!r}", cube).volumes
         np.testing.assert_allclose(found, [below, 1 - below], rtol=1e-13)
+
+
+def test_half_planes_across_one_axis_are_slabs(states):
+    """A normal along an axis, whichever it is: the cross-section jumps where the plane is, and nothing else matters."""
+    for dim in (2, 3):
+        box = np.array([[-1.0, 2.0], [0.5, 1.5], [0.0, 0.25]])[:dim]
+        state = states.snapshot(x=[box.mean(axis=1)], radius=[0.1], box=box)
+        whole = np.prod(np.diff(box, axis=1))
+        for axis, (low, high) in enumerate(box):
+            for sign in (1.0, -1.0):
+                words = ",".join(f"{sign * (k == axis):g}" for k in range(dim))
+                at = low + 0.3 * (high - low)
+                share = 0.3 if sign > 0 else 0.7
+                found = make_cells(f"halfplane:{words}:{float(sign * at)!r}", state).volumes
+                np.testing.assert_allclose(found, [share * whole, (1 - share) * whole], rtol=1e-13, err_msg=words)
+
+
+def test_half_planes_do_not_see_which_axis_is_which(states):
+    box = np.array([[0.0, 1.0], [0.0, 2.0], [0.0, 0.5]])
+    for normal in ([0.0, 0.6, 0.8], [0.6, 0.0, -0.8], [-1.0, 2.0, 3.0]):
+        found = []
+        for order in ([0, 1, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]):
+            state = states.snapshot(x=[[0.5, 0.5, 0.25]], radius=[0.1], box=box[order])
+            words = ",".join(repr(normal[k]) for k in order)
+            found.append(make_cells(f"halfplane:{words}:0.3", state).volumes)
+        np.testing.assert_allclose(found, [found[0]] * 4, rtol=1e-13)
+
+
+def test_two_discs_in_two_halves_have_one_density(states):
+    state = states.snapshot(x=[[0.5, 0.5], [0.5, 1.5]], radius=[0.5, 0.5], box=np.array([[0.0, 1.0], [0.0, 2.0]]))
+    for words in ("0,1:1", "0,-1:-1", "1,0:0.5"):
+        cells = make_cells(f"halfplane:{words}", state)
+        np.testing.assert_allclose(cells.density(np.full(2, np.pi / 4)), np.pi / 4, rtol=1e-13)

@@ -1,12 +1,13 @@
 """Verdicts of a whole family: by hand, their rates by simulation, their words."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from harness.studies.compare.pairs import Pair
-from harness.studies.statistics.family import ROUND_OFF, Measured, Terms, family_checks, judge_family
+from harness.studies.statistics.family import ROUND_OFF, Measured, Terms, family_checks, judge_family, judge_tests
 from harness.studies.verdict import Rerun
 
 TERMS = Terms(false_alarms=0.05, margin=0.05, paired=True)
@@ -67,10 +68,11 @@ def test_no_evidence_is_inconclusive_and_says_what_would_do(packings):
     judged = one(base, base + 40 * noise)
     assert judged.verdict == "inconclusive"
     assert judged.resolvable > judged.chance > abs(judged.relative)
-    assert 8 < judged.settle < 1000
-    spread = np.random.default_rng(1).normal(size=judged.settle)
+    count = judged.settle.count
+    assert 8 < judged.settle.low < count < judged.settle.high < 3000
+    spread = np.random.default_rng(1).normal(size=count)
     spread = (spread - spread.mean()) / spread.std(ddof=1)
-    more = np.tile(base, judged.settle)[: judged.settle]
+    more = np.tile(base, count)[:count]
     assert one(more, more + 40 * spread).verdict == "agrees"
 
 
@@ -125,12 +127,43 @@ def test_words(packings):
     judged = judge_family([measured(base, base + 20 + 2 * noise), measured(base, base + 40 * noise)], [SAME], TERMS)
     differs, open_ = family_checks(judged, RERUN)
     assert (differs.level, differs.verdict, open_.verdict) == ("L3", "differs", "inconclusive")
-    assert differs.deviation > differs.tolerance
+    assert differs.deviation > differs.chance
     assert "8 replicates, paired by packing" in differs.why
     assert differs.why.endswith("rerun: grainproof compare box.toml --engines a,b --out out")
-    assert "replicates would settle it" in open_.why
+    assert "would settle it at half the level" in open_.why
+    assert (differs.tolerance, open_.tolerance) == (0.05, 0.05)
     assert "no evidence of none" in open_.why
-    assert open_.deviation < open_.tolerance
+    assert open_.deviation < open_.chance
+
+
+def test_the_interval_of_a_number_of_replicates_is_that_of_the_scatter(packings):
+    """Eight replicates know their scatter to -29 % and +80 % (90 %): errors go with it, replicates with its square."""
+    base, noise = packings
+    needed = one(base, base + 40 * noise).settle
+    assert needed.low / needed.count == pytest.approx(7 / 14.067, rel=0.05)
+    assert needed.high / needed.count == pytest.approx(7 / 2.167, rel=0.05)
+
+
+def test_errors_that_are_not_to_be_trusted_conclude_nothing(packings):
+    base, noise = packings
+    for shift in (0.0, 40.0):
+        (sound,) = judge_family([measured(base, base + shift + noise)], [SAME], TERMS)
+        (judged,) = judge_tests([replace(sound.tested, doubt="too short")], TERMS)
+        assert (sound.verdict == "inconclusive", judged.verdict) == (False, "inconclusive")
+        (check,) = family_checks([judged], RERUN)
+        assert "too short" in check.why
+        assert judged.settle is None or "would settle" not in check.why
+
+
+def test_agreement_too_is_as_sure_for_all_checks_as_declared():
+    """Twenty quantities whose true difference is the margin: any agreement is false, and rare."""
+    rng, trials = np.random.default_rng(6), 400
+    rows = rng.normal(size=(trials, 20, 2, 6))
+    rows[:, :, 0] += 5.0
+    families = (judge_family([measured(a, b, scale=100.0) for a, b in of], [CODES], TERMS) for of in rows)
+    false = [any(j.verdict == "agrees" for j in family) for family in families]
+    exact = 1 - (1 - 0.05 / 20) ** 20
+    assert abs(np.mean(false) - exact) < 3.5 * np.sqrt(0.05 * 0.95 / trials)
 
 
 @pytest.mark.parametrize("paired", [True, False])

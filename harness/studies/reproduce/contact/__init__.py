@@ -1,8 +1,8 @@
 """`contact`: the hysteretic law from measured curves, with error bars, into a scene, and measured back on the codes.
 
 The talk shows how a contact is pressed, released and pulled off, and the law with k_1, k_2, k_c made for it; its curves
-are pictures of which the transcript keeps the axes. So the fit is proven on curves of a known law with noise, applied to
-a file of the user's own where there is one, and every code that has the law must answer it back.
+are pictures of which the transcript keeps the axes. So the fit is proven on curves of a known law with noise, applied
+to a file of the user's own where there is one, and every code that has the law must answer it back.
 """
 
 from __future__ import annotations
@@ -17,11 +17,27 @@ from harness.studies.reproduce.contact.axes import axes_rows
 from harness.studies.reproduce.contact.back import Indenter, Spheres, law_of
 from harness.studies.reproduce.contact.charts import cycle_chart, hysteresis_chart, line_chart, pull_off_chart
 from harness.studies.reproduce.contact.curves import Measurements, read_measurements
-from harness.studies.reproduce.contact.fit import NAMES, LawFit, LineFit, fit_cycle, fit_line, propagated, pull_off_slope
-from harness.studies.reproduce.contact.loads import Answer, answers, back_rows, law_checks, load_rows, refused, slope_rates
+from harness.studies.reproduce.contact.fit import (
+    NAMES,
+    LawFit,
+    LineFit,
+    fit_cycle,
+    fit_line,
+    propagated,
+    pull_off_slope,
+)
+from harness.studies.reproduce.contact.loads import (
+    Answer,
+    answers,
+    back_rows,
+    law_checks,
+    load_rows,
+    refused,
+    slope_rates,
+)
 from harness.studies.reproduce.contact.scene import write_fitted_scene
 from harness.studies.reproduce.contact.synthetic import Coverage, Truth, coverages
-from harness.studies.reproduce.protocol import Ask, Declared, Measured, Result, Row, Study
+from harness.studies.reproduce.protocol import Ask, Chart, Declared, Measured, Result, Row, Study
 from harness.studies.reproduce.rows import Within, held_against, shown
 from harness.studies.verdict import Check, judged
 from reference.values import Published
@@ -36,8 +52,8 @@ CURVES = {"quick": (200, 60, 100), "paper": (2000, 400, 400)}
 """Synthetic curves for the covariance and for the bootstrap, and its draws."""
 
 RATE_WORDS = (
-    "Nothing here has a rate: the law knows no time, and paths are prescribed. What converges is the fit: error bars fall "
-    "with the number of points; and pull-off over load is the same at every load, as the law is linear."
+    "Nothing here has a rate: the law knows no time, and paths are prescribed. What converges is the fit: error bars "
+    "fall with the number of points; and pull-off over load is the same at every load, as the law is linear."
 )
 
 
@@ -103,7 +119,8 @@ def _own_rows(found: Measurements | None, own: LawFit | LineFit | None) -> list[
     rows = []
     for k, name in enumerate(NAMES):
         known = np.isfinite(own.errors[k])
-        ours = Measured(engine="fit", value=float(own.values[k]), error=float(own.errors[k]) if known else None, packings=1)
+        error = float(own.errors[k]) if known else None
+        ours = Measured(engine="fit", value=float(own.values[k]), error=error, packings=1)
         why = f"fit of {found.name}; bootstrap error {own.bootstrap_errors[k]:.2g}" if known else (
             "no point lies on the adhesive branch: this is the least k_c that the deepest pull allows")
         rows.append(shown(f"{name}, {found.name}", "m" if name == "x_0" else "N/m", ours, why))
@@ -146,7 +163,10 @@ def _error_rows(synthetic: LawFit, own, found: Measurements | None) -> list[dict
 # --- pictures and words --------------------------------------------------------------------------
 
 
-def _pictures(truth: Truth, synthetic: LawFit, found: Measurements | None, own, answered: Sequence[Answer], fit: LawFit):
+def _pictures(
+    truth: Truth, synthetic: LawFit, found: Measurements | None, own: LawFit | LineFit | None,
+    answered: Sequence[Answer], fit: LawFit,
+) -> tuple[Chart, ...]:
     pictures = [cycle_chart("synthetic_cycle", "A synthetic curve", truth.cycle(1), synthetic)]
     if isinstance(own, LawFit):
         pictures.append(cycle_chart("measured_cycle", found.name, found.cycle(), own))
@@ -160,7 +180,10 @@ def _rerun(ask: Ask):
     return lambda *engines: f"grainproof reproduce contact --size {ask.size} --engines {','.join(engines)}{file}"
 
 
-def _words(synthetic: LawFit, own, found: Measurements | None, covered: Sequence[Coverage], scene: Path) -> tuple[str, ...]:
+def _words(
+    synthetic: LawFit, own: LawFit | LineFit | None, found: Measurements | None, covered: Sequence[Coverage],
+    scene: Path,
+) -> tuple[str, ...]:
     slope, error = propagated(own if isinstance(own, LawFit) else synthetic, pull_off_slope)
     of = found.name if isinstance(own, LawFit) else "the synthetic curve"
     said = [
@@ -168,9 +191,9 @@ def _words(synthetic: LawFit, own, found: Measurements | None, covered: Sequence
         "measured value is made up for them: the bounds that follow from the axes decide nothing.",
         "Error bars of the fit were held against curves of a known law: 95 % intervals hold the truth in "
         + " and ".join(f"{100 * c.share:.1f} % ({c.source}, {c.curves} curves)" for c in covered) + ".",
-        f"From k_1, k_2, k_c of {of} pull-off over load follows as {slope:.4g} +- {error:.2g}, without an offset: this law "
-        "has no adhesion of a contact that was never pressed. A measured line with an offset (the talk's figure may have "
-        "one) needs a constant pull-off force besides.",
+        f"From k_1, k_2, k_c of {of} pull-off over load follows as {slope:.4g} +- {error:.2g}, without an offset: this "
+        "law has no adhesion of a contact that was never pressed. A measured line with an offset (the talk's figure "
+        "may have one) needs a constant pull-off force besides.",
         f"The fitted law stands in the scene {scene.name}, which every command takes.",
     ]
     if isinstance(own, LawFit) and not own.adhesive:
@@ -189,5 +212,5 @@ STUDY = Study(
            for size, (c, b, _) in CURVES.items()},
     engines=("lammps", "liggghts", "kernel:talk"), values=(), run=run, cases=lambda _: (),
     lacking={"lammps": "has no law with k_1, k_2 and k_c"},
-    measurements="a CSV file: 'displacement (nm),force (nN)', 'load (nN),pull-off (nN)' or 'force (nN),hysteresis (nm)'",
+    measurements="a CSV file: displacement (nm),force (nN) or load (nN),pull-off (nN) or force (nN),hysteresis (nm)",
 )

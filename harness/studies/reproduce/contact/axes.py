@@ -1,7 +1,7 @@
 """What the transcript of the talk shows of the measured contacts: axes and their titles, and no point of a curve.
 
-From ends of axes bounds follow, if the curves stay within the axes and the law is the piecewise linear one. That is all;
-they decide nothing.
+From ends of axes bounds follow, if the curves stay within the axes and the law is the piecewise linear one. That is
+all; they decide nothing.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ FIGURES = (
     Axes(
         figure="Contact force measurement (PIA), Fig. 6", x="Normalized load 0 to 0.8 mN/m",
         y="Normalized adhesion force 0 to 0.5 mN/m", x_end=0.8e-3, y_end=0.5e-3,
-        follows="pull-off over load at the far end at most {ratio:.3g}: k_c (k_2 - k_1)/(k_1 (k_2 + k_c)) <= {ratio:.3g}",
+        follows="pull-off over load at the far end: k_c (k_2 - k_1)/(k_1 (k_2 + k_c)) <= {ratio:.3g}",
     ),
     Axes(
         figure="Hysteresis (plastic deformation), polystyrene", x="Force 0 to 250 nN",

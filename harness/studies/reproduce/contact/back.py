@@ -1,4 +1,4 @@
-"""A law measured back: two spheres are driven along the cycle on every code that has the law, and fitted like a measurement.
+"""A law measured back: two spheres driven along the cycle on every code that has the law, fitted like a measurement.
 
 The law has no rate in it, so that the speed of the drive is anything; only the order of the overlaps counts.
 """
@@ -87,7 +87,7 @@ class Indenter:
         )
 
     def cycle(self, driven: Driven) -> Cycle:
-        """Return the forces that a code answered, as a measurement: displacement is the overlap, force that on sphere 1."""
+        """Return what a code answered as a measurement: displacement is the overlap, force that on sphere 1."""
         return Cycle(displacement=self.overlap[1:], force=driven.reaction.force[:, 0, 0], error=None)
 
 

@@ -28,7 +28,8 @@ def cycle_chart(name: str, what: str, cycle: Cycle, fit: LawFit) -> Chart:
     k_1, k_2, k_c, _ = fit.values
     return Chart(
         name=name, x="displacement (nm)", y="force (nN)", lines=lines,
-        caption=f"{what} and the piecewise linear hysteretic law: k_1 = {k_1:.3g}, k_2 = {k_2:.3g}, k_c = {k_c:.3g} N/m.",
+        caption=f"{what} and the piecewise linear hysteretic law: k_1 = {k_1:.3g}, k_2 = {k_2:.3g}, "
+        f"k_c = {k_c:.3g} N/m.",
     )
 
 
@@ -55,8 +56,8 @@ def pull_off_chart(answered: Sequence[Answer], fit: LawFit, spheres: Spheres) ->
     lines.append(Line(name="law: k_c (k_2 - k_1)/(k_1 (k_2 + k_c))", x=load, y=pull_off_slope(*fit.values[:3]) * load))
     return Chart(
         name="pull_off", x="normalized load (mN/m)", y="normalized adhesion force (mN/m)", lines=tuple(lines),
-        caption=f"Pull-off against load over a radius of {1e6 * spheres.radius:g} micrometres (chosen), in the kind of axes "
-        "of the talk's Fig. 6: the deepest pull that codes answered along prescribed cycles, and the law.",
+        caption=f"Pull-off against load over a radius of {1e6 * spheres.radius:g} micrometres (chosen), in the kind of "
+        "axes of the talk's Fig. 6: the deepest pull that codes answered along prescribed cycles, and the law.",
     )
 
 
@@ -72,7 +73,7 @@ def hysteresis_chart(answered: Sequence[Answer], fit: LawFit) -> Chart:
     lines.append(Line(name="law: 1/k_1 - 1/k_2", x=1e9 * force, y=1e9 * slope * force))
     return Chart(
         name="hysteresis", x="largest force (nN)", y="deformation hysteresis (nm)", lines=tuple(lines),
-        caption="Displacement that is left where the force is zero on the way back, against the largest force of the cycle.",
+        caption="Displacement that is left where the force is zero on the way back, against the cycle's largest force.",
     )
 
 

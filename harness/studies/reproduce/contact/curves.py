@@ -65,7 +65,7 @@ class Cycle:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Measurements:
-    """A file's content in SI: kind as in KINDS, x and y (P,), error (P,) of y or None, and the unit that x and y have."""
+    """A file's content in SI: kind as in KINDS, name of the file, x and y (P,), error (P,) of y or None."""
 
     kind: str
     name: str
@@ -124,10 +124,14 @@ def _kind(columns: dict, header: Sequence[str], path: Path) -> str:
         if set(columns) - {"error"} == set(names) and len(columns) == len(header):
             x, y = (columns[name][1] for name in names)
             if kind == "pull-off" and x != y:
-                raise Fault(place="header", expected="load and pull-off in units of one kind", got=show(",".join(header)),
-                            fix="give both as forces or both as forces over a length").error(path)
+                raise Fault(
+                    place="header", expected="load and pull-off in units of one kind", got=show(",".join(header)),
+                    fix="give both as forces or both as forces over a length",
+                ).error(path)
             if "error" in columns and columns["error"][1] != y:
-                raise Fault(place="header", expected=f"the error in a unit of {y}", got=show(columns["error"][0])).error(path)
+                raise Fault(
+                    place="header", expected=f"the error in a unit of {y}", got=show(columns["error"][0]),
+                ).error(path)
             return kind
     raise _header_error(path, show(",".join(header)))
 
@@ -148,5 +152,7 @@ def _require_points(found: Measurements, path: Path) -> None:
     cycle = found.cycle()
     ways = (int(cycle.loading.sum()), int((~cycle.loading).sum()))
     if min(ways) < FEWEST:
-        raise Fault(place="", expected=f"a way in and a way back of at least {FEWEST} points each, in the order of time",
-                    got=f"{ways[0]} points up to the largest displacement and {ways[1]} behind it").error(path)
+        raise Fault(
+            place="", expected=f"a way in and a way back of at least {FEWEST} points each, in the order of time",
+            got=f"{ways[0]} points up to the largest displacement and {ways[1]} behind it",
+        ).error(path)

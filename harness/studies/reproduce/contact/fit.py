@@ -9,8 +9,8 @@ A cycle to the largest overlap D, the displacement counting from an unknown cont
     hysteresis against force     d_back - d_in = (f_max - f) (1/k_1 - 1/k_2) at force f, so its largest, at f = 0,
                                  grows with f_max by b = 1/k_1 - 1/k_2
 
-(S. Luding, Granular Matter 10, 235 (2008).) The curves of lines give s or b, not the three stiffnesses: one number each.
-Noise is taken to be in the force, independent from point to point; its size is that of the scatter unless the file says.
+(S. Luding, Granular Matter 10, 235 (2008).) Lines give s or b, not the three stiffnesses: one number each. Noise is
+taken to be in the force, independent from point to point; its size is that of the scatter unless the file says.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class LineFit:
 def law_force(
     displacement: np.ndarray, loading: np.ndarray, largest: float, k_1: float, k_2: float, k_c: float, x_0: float
 ) -> np.ndarray:
-    """Return the force (P,), N, at displacements (P,), m; loading (P,): way in; largest: the deepest displacement, m."""
+    """Return the force (P,), N, at displacements (P,), m; loading (P,): way in; largest: deepest displacement, m."""
     d, deepest = displacement - x_0, largest - x_0
     back = np.maximum(k_2 * d - (k_2 - k_1) * deepest, -k_c * d)
     return np.where(d > 0, np.where(loading, k_1 * d, back), 0.0)
@@ -144,7 +144,7 @@ def _fitted(cycle: Cycle, force: np.ndarray, start: np.ndarray) -> tuple[np.ndar
     known = {} if cycle.error is None else {"sigma": cycle.error / size, "absolute_sigma": True}
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", OptimizeWarning)  # a cycle without adhesion does not tell k_c: said elsewhere
+            warnings.simplefilter("ignore", OptimizeWarning)  # without adhesion k_c is not told: see `fit_cycle`
             found, covariance = curve_fit(
                 lambda x, *p: model(x, *(unit * p)) / size, cycle.displacement, force / size, p0=start / unit,
                 maxfev=10_000, **known,
@@ -156,7 +156,7 @@ def _fitted(cycle: Cycle, force: np.ndarray, start: np.ndarray) -> tuple[np.ndar
 
 
 def _start(cycle: Cycle) -> np.ndarray:
-    """Return starting values: a line through the upper way in, one through the top of the way back, the deepest pull."""
+    """Return starting values: lines through the upper way in and the top of the way back, and the deepest pull."""
     x, f = cycle.displacement, cycle.force
     top = float(f[cycle.loading].max())
     rising = cycle.loading & (f > 0.3 * top)
@@ -165,7 +165,8 @@ def _start(cycle: Cycle) -> np.ndarray:
     k_1, at = np.polyfit(x[rising], f[rising], 1)
     if k_1 <= 0:
         raise InputError(file="measurements", expected="a force that rises on the way in",
-                         got=f"one that falls, by {-k_1:g} N/m", fix="compression is positive, in displacement and force")
+                         got=f"one that falls, by {-k_1:g} N/m",
+                         fix="compression is positive, in displacement and force")
     x_0 = -at / k_1
     falling = ~cycle.loading & (f > 0.3 * top)
     k_2 = np.polyfit(x[falling], f[falling], 1)[0] if falling.sum() > 1 and np.ptp(x[falling]) > 0 else 2 * k_1

@@ -1,4 +1,4 @@
-"""The fitted law on the codes: cycles to several loads, fitted like measurements, pull-off and hysteresis against load."""
+"""The fitted law on the codes: cycles to several loads, fitted like measurements; pull-off and hysteresis over load."""
 
 from __future__ import annotations
 

@@ -11,8 +11,8 @@ from harness.studies.reproduce.contact.fit import LawFit
 
 TEMPLATE = """# Two spheres meet head-on under the law that was fitted to {source}.
 #
-# k_1 = {k_1:.4g} +- {e_1:.2g} N/m, k_2 = {k_2:.4g} +- {e_2:.2g} N/m, k_c = {k_c:.4g} +- {e_c:.2g} N/m (one standard error,
-# covariance of the fit). The speed is that which compresses to the largest overlap of the measurement, {nm:.3g} nm.
+# k_1 = {k_1:.4g} +- {e_1:.2g} N/m, k_2 = {k_2:.4g} +- {e_2:.2g} N/m, k_c = {k_c:.4g} +- {e_c:.2g} N/m (standard
+# errors, covariance of the fit). The speed compresses to the largest overlap of the measurement, {nm:.3g} nm.
 # Radius and density are not part of a measured curve: chosen. Written by `grainproof reproduce contact`.
 
 kind = "free"
@@ -68,8 +68,8 @@ def write_fitted_scene(path: Path, fit: LawFit, spheres: Spheres, source: str) -
     rate = math.sqrt(k_1 / (spheres.mass / 2))
     speed, loading = fit.largest * rate, math.pi / 2 / rate
     text = TEMPLATE.format(
-        source=source, k_1=k_1, k_2=k_2, k_c=k_c, e_1=e_1, e_2=e_2, e_c=e_c, nm=1e9 * fit.largest, radius=spheres.radius,
-        mass=spheres.mass, speed=speed / 2, back=-speed / 2, duration=4 * loading,
+        source=source, k_1=k_1, k_2=k_2, k_c=k_c, e_1=e_1, e_2=e_2, e_c=e_c, nm=1e9 * fit.largest,
+        radius=spheres.radius, mass=spheres.mass, speed=speed / 2, back=-speed / 2, duration=4 * loading,
         place=2 * spheres.radius + FLIGHT * speed * loading,
     )
     path.parent.mkdir(parents=True, exist_ok=True)

@@ -45,7 +45,7 @@ LONG = {"duration": 120.0, "steady": 60.0, "frames": 240}
 PLANS: dict[Size, tuple[Plan, ...]] = {
     "quick": (
         Plan(name="small ring, dense", file="couette_quick"),
-        Plan(name="small ring, loose", file="couette_quick", counts=(809, 129)),
+        Plan(name="small ring, loose", file="couette_quick", counts=(813, 130)),
         Plan(name="small ring, dense, twice as fast", file="couette_quick", faster=True),
         Plan(name="small ring, springs", file="couette_spring"),
     ),

@@ -1,4 +1,4 @@
-"""The pictures of the ring study, as data: profiles of all densities of one engine, and of all engines at one density."""
+"""The pictures of the ring study, as data: profiles of all densities of one engine, and of all engines at one."""
 
 from __future__ import annotations
 
@@ -13,10 +13,11 @@ from harness.studies.reproduce.ring.numbers import Runs, collapse
 from postproc.results import Unavailable
 
 PROFILES = (
-    ("velocity", "v_phi", "v_phi over that of the inner ring", "Velocity of the discs: exponential in the band.", "speed"),
+    ("velocity", "v_phi", "v_phi over that of the inner ring", "Velocity of the discs, exponential in the band.",
+     "speed"),
     ("density", "volume_fraction", "area fraction of the discs, glued ones left out", "Dilation at the inner ring.",
      "free"),
-    ("spin", "spin", "spin over Omega", "Spin of the discs: layers next to the inner ring roll on each other.", "omega"),
+    ("spin", "spin", "spin over Omega", "Spin of the discs: layers at the inner ring roll on each other.", "omega"),
     ("eigen_rotation", "eigen_rotation", "(omega - W_rphi) over Omega", "Eigen-rotation.", "omega"),
     ("stress_normal", "stress_rr", "sigma_rr (N/m)", "Static normal stress: r^0 in the talk.", ""),
     ("stress_shear", "stress_rphi", "|sigma_rphi| (N/m)", "Static shear stress: r^-2 in the talk.", "size"),
@@ -36,7 +37,7 @@ def charts_of(ask: Ask, runs: Runs, engines: Sequence[str]) -> tuple[Chart, ...]
     """Return all charts; nothing without runs."""
     if not engines:
         return ()
-    found = [_profile_chart(ask, runs, engines[0], *p) for p in PROFILES]
+    found = [_profile_chart(ask, runs, engines[0], p) for p in PROFILES]
     found += [_codes_chart(ask, runs, engines), _collapse_chart(ask, runs, engines[0]),
               _torque_chart(runs, engines)]
     found += [_distribution_chart(ask, runs, engines[0], *d) for d in (
@@ -48,8 +49,8 @@ def _first(runs: Runs, case: str, engine: str) -> RingRun | None:
     return next(iter(runs.get(case, {}).get(engine, {}).values()), None)
 
 
-def _profile_chart(ask: Ask, runs: Runs, engine: str, name: str, profile: str, axis: str, says: str, scale: str) -> Chart:
-    lines = []
+def _profile_chart(ask: Ask, runs: Runs, engine: str, shown: tuple[str, str, str, str, str]) -> Chart:
+    (name, profile, axis, says, scale), lines = shown, []
     for plan in main_plans(ask):
         run = _first(runs, plan.name, engine)
         if run is None or profile not in run.profiles.profiles:

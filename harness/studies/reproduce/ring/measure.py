@@ -118,8 +118,8 @@ def _of_mean(profile) -> Number:
 def _exponents(profiles: RingProfiles, subjects: Sequence[Subject], inside: np.ndarray) -> dict[str, Number]:
     """Fit powers of r to the static stresses, each times a power of r; errors by the jackknife over BLOCKS of time.
 
-    The torque fluctuates as a whole, so that all cells move up and down together: their error bars say how well its size
-    is known, and much less than how well its power of r is.
+    The torque fluctuates as a whole, so that all cells move up and down together: their error bars say how well its
+    size is known, and its power of r is known much better.
     """
     if "stress_rr" not in profiles.profiles:
         return {}
@@ -193,7 +193,8 @@ def _layers(scene: Couette, profiles: RingProfiles, band: Band, inside: np.ndarr
 
 def _over_cells(profile, cells: np.ndarray, unit: str) -> Number:
     """Mean over cells; their errors move together, so that of the mean is the mean of the errors."""
-    return Number(value=float(np.nanmean(profile.mean[cells])), error=float(np.nanmean(profile.error[cells])), unit=unit)
+    value, error = (float(np.nanmean(v[cells])) for v in (profile.mean, profile.error))
+    return Number(value=value, error=error, unit=unit)
 
 
 def _oscillation(spin, depth: np.ndarray, omega: float) -> dict[str, Number]:
@@ -204,10 +205,9 @@ def _oscillation(spin, depth: np.ndarray, omega: float) -> dict[str, Number]:
     value, error = spin.mean[near] / omega, spin.error[near] / abs(omega)
     low, high = int(np.argmin(value)), int(np.argmax(value))
     return {
-        "eigen-rotation over Omega, lowest near the inner ring": Number(value=float(value[low]), error=float(error[low]),
-                                                                      unit="1"),
-        "eigen-rotation over Omega, highest near the inner ring": Number(value=float(value[high]),
-                                                                       error=float(error[high]), unit="1"),
+        f"eigen-rotation over Omega, {word} near the inner ring":
+        Number(value=float(value[k]), error=float(error[k]), unit="1")
+        for word, k in (("lowest", low), ("highest", high))
     }
 
 
@@ -243,7 +243,7 @@ def _distribution(
         near = r - rings.inner_radius <= LAYER * band.diameter
         values.append(of(frame)[near])
     scale = rings.omega if of is _spin else rings.omega * rings.inner_radius
-    edges = np.linspace(-12, 8, BINS + 1) if of is _spin else np.linspace(-0.5, 1.5, BINS + 1)
+    edges = np.linspace(-25, 15, BINS + 1) if of is _spin else np.linspace(-0.5, 1.5, BINS + 1)
     return distribution([v / scale for v in values], edges)
 
 

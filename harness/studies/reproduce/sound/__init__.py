@@ -1,8 +1,8 @@
 """`sound`: waves along a column of spheres, in the third dimension; regular against the closed form, then disordered.
 
 One layer of a periodic face-centred cubic column under pressure is kicked, along the column and across it, with
-friction springs also into a spin. Every mode of the layers then swings with the frequencies of its wave; long waves give
-the speeds c_P and c_S. Sizes that differ by a part in a thousand open contacts: waves get slower and lose their order.
+friction springs also into a spin. Every mode of the layers then swings with the frequencies of its wave; long waves
+give the speeds c_P and c_S. Sizes that differ by a part in a thousand open contacts: waves get slower and lose order.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def attenuation_rows(settings: Sequence[Setting], runs: MadeBy) -> list[dict]:
             for engine in engines_in(samples, runs):
                 phase, mean, error = decay_over_frequency(samples, runs, wave, engine)
                 for part in (0.1, 0.25, 0.5, 0.75):
-                    k = int(np.argmin(np.abs(phase / np.pi - part)))
+                    k = int(np.argmin(np.where(np.isfinite(mean), np.abs(phase / np.pi - part), np.inf)))
                     rows.append({
                         "disorder": width, "wave": wave, "engine": engine, "k l/pi": float(phase[k] / np.pi),
                         "decay G/w": float(mean[k]), "error": float(error[k]), "samples": len(samples),
@@ -86,8 +86,8 @@ def _words(settings: Sequence[Setting], runs: MadeBy) -> tuple[str, ...]:
     if len({round(a, 12) for a in arms.values()}) > 1:
         said.append(
             "With friction springs the codes do not compute the same waves, and must not: where slip is measured at "
-            "the radius (LAMMPS) spinning waves are faster than where it is measured at the contact, by delta/(4 R). Every "
-            "engine is held against the closed form with its own lever arms; long waves are the same for all."
+            "the radius (LAMMPS) spinning waves are faster than where it is measured at the contact, by delta/(4 R). "
+            "Every engine is held against the closed form with its own lever arms; long waves are the same for all."
         )
     said += [_slowing(width, samples, runs) for width, samples in disordered(settings).items()]
     return tuple(s for s in said if s)

@@ -92,8 +92,8 @@ def _pulse(settings: Sequence[Setting], runs: MadeBy) -> Chart | None:
     return Chart(
         name="pulse", x="time, c_P t/l (layers that a long wave has passed)", y="velocity of the layer over the kick",
         lines=tuple(lines), caption="A kicked layer sends a pulse of compression along the column: layers move with "
-        "v_0 J_2n(w_max t), head first and then ever shorter waves. In a disordered column the head comes later and the "
-        "shortest waves do not arrive.",
+        "v_0 J_2n(w_max t), head first and then ever shorter waves. In a disordered column the head comes later and "
+        "the shorter waves do not arrive.",
     )
 
 
@@ -117,10 +117,17 @@ def _speeds(settings: Sequence[Setting], runs: MadeBy) -> Chart:
     )
 
 
+COHERENT = 0.3
+"""Largest rms of what one decaying oscillation leaves of a mode over the mode: beyond, it is no wave any more."""
+
+
 def decay_over_frequency(samples: Sequence[Setting], runs: MadeBy, wave: str, engine: str):
-    """Return k l (M,), and mean and standard error (NaN for one sample) of G/w (M,) over samples."""
+    """Return k l (M,), and mean and standard error (NaN for one sample) of G/w (M,) over samples.
+
+    NaN where a mode of any sample is not one decaying oscillation.
+    """
     found = [runs[s.name][engine].branches[wave] for s in samples if engine in runs.get(s.name, {})]
-    part = np.array([b.decay / b.frequency for b in found])
+    part = np.array([np.where(b.left <= COHERENT, b.decay / b.frequency, np.nan) for b in found])
     error = part.std(axis=0, ddof=1) / np.sqrt(len(part)) if len(part) > 1 else np.full(part.shape[1], np.nan)
     return found[0].phase, part.mean(axis=0), error
 
@@ -130,12 +137,12 @@ def _decays(settings: Sequence[Setting], runs: MadeBy) -> Chart:
     for width, samples in disordered(settings).items():
         for engine in engines_in(samples, runs)[:1]:
             phase, mean, error = decay_over_frequency(samples, runs, P, engine)
-            name = f"disorder {width:g}: {engine}"
-            lines.append(Line(name=name, x=phase / np.pi, y=mean, error=error, look="points"))
+            known, name = np.isfinite(mean), f"disorder {width:g}: {engine}"
+            lines.append(Line(name=name, x=phase[known] / np.pi, y=mean[known], error=error[known], look="points"))
     return Chart(
         name="disorder_decay", x="k l/pi", y="decay of the coherent wave, G/w", lines=tuple(lines),
-        caption="A wave of compression loses its order to disorder, the faster the shorter it is: amplitude exp(-G t), "
-        "mean and standard error over samples.",
+        caption="A wave of compression loses its order to disorder: amplitude exp(-G t), mean and standard error over "
+        "samples. Waves of which one decaying oscillation leaves more than 0.3 are left out.",
     )
 
 

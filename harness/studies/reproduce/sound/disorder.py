@@ -1,8 +1,8 @@
 """Weak disorder of sizes: strong disorder of contacts. The packing at rest, and what linear theory says of it.
 
 Radii are R + w delta u, u uniform in (-1, 1), on a lattice whose spacing stays: w is of the order of one while the
-sizes differ by a part in a thousand. The forces then balance where the energy sum k (overlap)^2/2 of a periodic box of fixed
-size is least (Newton's method on the contacts that are closed, which may open and close on the way).
+sizes differ by a part in a thousand. The forces then balance where the energy sum k (overlap)^2/2 in a periodic box of
+fixed size is least (Newton's method on the contacts that are closed, which may open and close on the way).
 
 Small waves in this packing follow m u'' = -K u with the dynamic matrix K of its closed contacts, k n n - F/r (1 - n n)
 each. Its leapfrog with the time step of a run tells what that run must give, whatever the code.

@@ -25,21 +25,25 @@ if TYPE_CHECKING:
 LONG = 0.35
 """Largest k l of the waves from which the speed of long waves is extrapolated: 18 layers a wavelength and more."""
 
-BRANCHES = 40
-"""Modes, spread over the zone, whose frequencies are measured besides the long ones."""
+BRANCHES = {False: 40, True: 25}
+"""Modes, spread over the zone, whose frequencies are measured besides the long ones; regular and disordered."""
 
 P, S, ROLLING, TORSION = "compression", "shear", "rolling", "torsion"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Branch:
-    """One kind of wave: phase k l (M,), frequency and error (M,), rad/s; decay and its error (M,), 1/s, of disorder."""
+    """One kind of wave: phase k l (M,), frequency and error (M,), rad/s; decay and its error (M,), 1/s, of disorder.
+
+    left: (M,) rms of what the fit leaves of a mode over that of the mode: in a regular column next to nothing.
+    """
 
     phase: np.ndarray
     frequency: np.ndarray
     error: np.ndarray
     decay: np.ndarray
     decay_error: np.ndarray
+    left: np.ndarray
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -100,12 +104,12 @@ def expected_frequencies(waves: FccColumn, branch: str, phase: np.ndarray, dt: f
 def _branches(names: tuple[str, ...], channels: np.ndarray, time: np.ndarray, setting: Setting) -> dict[str, Branch]:
     """Return the frequencies of modes (channels, F, modes) by the names of the waves in them, ascending."""
     layers = setting.column.layers
-    chosen = _chosen_modes(layers, all_long=True)
+    chosen = _chosen_modes(layers, BRANCHES[setting.width > 0])
     found = [oscillations(channels[:, :, m], time, len(names), decaying=setting.width > 0) for m in chosen]
     phase = 2 * np.pi * chosen / layers
     return {
         name: Branch(
-            phase=phase, **{
+            phase=phase, left=np.array([o.residual for o in found]), **{
                 field: np.array([getattr(o, source)[k] for o in found])
                 for field, source in (("frequency", "frequency"), ("error", "frequency_error"), ("decay", "decay"),
                                       ("decay_error", "decay_error"))
@@ -115,9 +119,10 @@ def _branches(names: tuple[str, ...], channels: np.ndarray, time: np.ndarray, se
     }
 
 
-def _chosen_modes(layers: int, *, all_long: bool) -> np.ndarray:
-    long = np.arange(1, int(LONG * layers / (2 * np.pi)) + 1) if all_long else np.array([], dtype=int)
-    spread = np.linspace(1, layers // 2, BRANCHES).astype(int)
+def _chosen_modes(layers: int, count: int) -> np.ndarray:
+    """Return all long modes, and `count` spread up to the edge of the zone."""
+    long = np.arange(1, int(LONG * layers / (2 * np.pi)) + 1)
+    spread = np.linspace(1, layers // 2, count).astype(int)
     return np.unique(np.concatenate([long, spread]))
 
 

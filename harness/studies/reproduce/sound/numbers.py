@@ -70,8 +70,9 @@ def disordered(settings: Iterable[Setting]) -> dict[float, list[Setting]]:
 
 def speed_rows(settings: Sequence[Setting], runs: MadeBy) -> list[Row]:
     """Return the speeds of long waves in regular columns against the closed form."""
+    goal = Within(tolerance=SPEED_TOLERANCE, relative=True)
     return [
-        held_against(_exact(s, wave), _measured(engine, run.speed[wave]), Within(tolerance=SPEED_TOLERANCE, relative=True))
+        held_against(_exact(s, wave), _measured(engine, run.speed[wave]), goal)
         for s in regular(settings) for wave in (P, S) for engine, run in runs.get(s.name, {}).items()
     ]
 
@@ -126,7 +127,8 @@ def _measured(engine: str, speed) -> Measured:
 def convergence(settings: Sequence[Setting], runs: MadeBy) -> list[RatePoint]:
     """Return w/k of single waves as they get longer, and the highest frequency of compression as steps get finer."""
     smooth = regular(settings)[0]
-    stepped = [next(s for s in settings if s.dt_fraction == f and not s.width and not s.rough) for f in (*COARSE, FINE)]
+    plain = [s for s in settings if not s.width and not s.rough]
+    stepped = [next(s for s in plain if s.dt_fraction == f) for f in (*COARSE, FINE)]
     engines = engines_in([smooth], runs)
     lengths = [_by_length(smooth, wave, n, e, runs[smooth.name][e])
                for wave in (P, S) for e in engines for n in WAVELENGTHS if n <= smooth.column.layers]

@@ -1,0 +1,127 @@
+"""Advice: a page, a picture, the advised scene, and the same numbers as CSV and JSON."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from harness.errors import InputError
+from harness.report.advise_figure import CAPTION, advise_figure
+from harness.report.advise_tables import tables
+from harness.report.advise_words import COMBINED, limits, paragraph
+from harness.report.page import Figure, Section, render_page
+from harness.report.tables import Answer, csv_text
+
+if TYPE_CHECKING:
+    from harness.studies.advise.study import Advice
+
+TABLES = ("advice", "sum", "ladders")
+PAGE, DATA, PICTURE, SCENE = "advice.html", "advice.json", "advice.png", "advised.toml"
+HEADINGS = {"advice": "What to take", "sum": "What it comes to", "ladders": "What was measured"}
+NOTES = {
+    "advice": "Errors against the limit of each knob's own ladder, over the quantity's size. Measured: that rung was "
+    "run. Extrapolated: it follows from others by the stated power. Kept: nothing is known, so nothing is turned.",
+    "sum": COMBINED,
+    "ladders": "All rungs of the engine of the answer.",
+}
+
+
+def advise_answer(advice: Advice) -> Answer:
+    """Return the tables for people and everything for programs."""
+    found = tables(advice)
+    shown = {HEADINGS[name]: found[name] for name in ("advice", "sum")}
+    return Answer(tables=shown, data=advise_data(advice))
+
+
+def advise_data(advice: Advice) -> dict:
+    """Return everything with all digits."""
+    from msgspec import to_builtins
+
+    choice, evidence = advice.answer, advice.evidence
+    return {
+        "scene_file": evidence.scene_file.name, "quantity": evidence.quantity, "tolerance": advice.tolerance,
+        "kept": advice.choice is not None, "why": advice.why, "packings_needed_in_ladders": advice.needed,
+        "below_floor": advice.below_floor, "engine": choice.engine if choice else None,
+        "settings": {k: r.value for k, r in choice.rungs.items()} if choice else {},
+        "origin": {k: r.origin for k, r in choice.rungs.items()} if choice else {},
+        "without": list(choice.without) if choice else [], "packings": advice.packings,
+        "expected_error": choice.total.error(advice.packings) if choice else None,
+        "cpu_seconds": choice.seconds * advice.packings if choice else None, "source": evidence.source,
+        "combined": COMBINED, "limits": limits(advice), "words": paragraph(advice), "exit_status": advice.exit_status,
+        "scene": to_builtins(advice.scene) if advice.scene else None, "tables": tables(advice),
+    }
+
+
+def write_advice(advice: Advice, out: Path) -> Path:
+    """Write page, JSON, picture, CSV tables and the advised scene into `out`, each whole or not at all."""
+    from harness.report.figures import png_bytes, png_uri
+    from harness.runs.atomic import write_bytes_atomic, write_json_atomic, write_text_atomic
+    from harness.scene.write import scene_text, write_scene
+
+    out.mkdir(parents=True, exist_ok=True)
+    figure = advise_figure(advice)
+    for name, rows in tables(advice).items():
+        write_text_atomic(out / f"{name}.csv", csv_text(rows))
+    write_json_atomic(out / DATA, advise_data(advice))
+    if figure is not None:
+        write_bytes_atomic(out / PICTURE, png_bytes(figure, dpi=110))
+    text = ""
+    if advice.choice is not None:
+        write_scene(advice.scene, advice.evidence.scene_file, out / SCENE, about=_about(advice))
+        text = scene_text(advice.scene, about=_about(advice))
+    else:
+        (out / SCENE).unlink(missing_ok=True)
+    figures = () if figure is None else (Figure(uri=png_uri(figure), caption=CAPTION),)
+    write_text_atomic(out / PAGE, render_page(
+        title=f"Advice: {advice.evidence.scene.title}", lead=_lead(advice), sections=_sections(advice, figures, text),
+    ))
+    return out / PAGE
+
+
+def check_places(out: Path) -> None:
+    """Raise InputError when a folder stands where a file of the report goes: before anything is run."""
+    for place in (out / name for name in (PAGE, DATA, PICTURE, SCENE, *(f"{name}.csv" for name in TABLES))):
+        if place.is_dir():
+            raise InputError(
+                file=place, expected="a file or nothing, as the report goes there", got="a folder",
+                fix="move it away or name another --out",
+            )
+
+
+def _sections(advice: Advice, figures: tuple[Figure, ...], text: str) -> list[Section]:
+    found = tables(advice)
+    scene = [Section(heading="The advised scene", note=f"Written as {SCENE}.", text=text)] if text else []
+    return [
+        Section(heading="In words", note=paragraph(advice)),
+        *(Section(heading=HEADINGS[n], note=NOTES[n], rows=found[n]) for n in ("advice", "sum") if found[n]),
+        Section(heading="Ladders", figures=figures),
+        *(Section(heading=HEADINGS[n], note=NOTES[n], rows=found[n]) for n in ("ladders",) if found[n]),
+        Section(heading="What this does not know", text="\n".join(limits(advice))), *scene,
+        Section(heading="Reproduce", text=_command(advice)),
+    ]
+
+
+def _lead(advice: Advice) -> str:
+    evidence = advice.evidence
+    of = "phases of the step" if evidence.free else "packings"
+    return (
+        f"{evidence.quantity} within {100.0 * advice.tolerance:g} %, from ladders of {evidence.packings} {of} in "
+        f"{evidence.source}; engines {', '.join(evidence.ladders)}."
+    )
+
+
+def _about(advice: Advice) -> str:
+    evidence = advice.evidence
+    return (
+        f"{evidence.scene_file.name} as advised for {evidence.quantity} within {100.0 * advice.tolerance:g} %.\n"
+        f"{paragraph(advice)}"
+    )
+
+
+def _command(advice: Advice) -> str:
+    evidence = advice.evidence
+    return shlex.join([
+        "grainproof", "advise", str(evidence.scene_file), "--quantity", evidence.quantity, "--tolerance",
+        f"{advice.tolerance:g}", "--from", evidence.source,
+    ])

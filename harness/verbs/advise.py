@@ -1,0 +1,94 @@
+"""Which settings keep a quantity within a tolerance, from measured ladders."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from harness.arguments import as_count, as_folder, as_seconds
+from harness.verbs.common import add_names, add_verb, show
+
+
+def add(verbs) -> None:
+    """Declare the verb."""
+    verb = add_verb(verbs, "advise", _advise, "the cheapest settings that keep a quantity within a tolerance")
+    verb.add_argument("file", type=Path, metavar="FILE")
+    verb.add_argument("--tolerance", type=float, required=True, metavar="T", help="as a part of the quantity: 0.01")
+    verb.add_argument("--quantity", metavar="Q", help="friction_angle, torque, exit, ...; default: the study's own")
+    verb.add_argument("--from", dest="source", type=as_folder, metavar="DIR",
+                      help="folder of a finished grainproof accuracy; without it one is run")
+    verb.add_argument("--effects-from", type=as_folder, metavar="DIR",
+                      help="folder of a finished grainproof effects; without either one is run")
+    add_names(verb, "engine", "of the studies that are run; default: theirs")
+    verb.add_argument("--packings", type=as_count, metavar="N", help="of the studies that are run; default: theirs")
+    verb.add_argument("--workers", type=as_count, metavar="N", help="runs at a time; default: the number of cores")
+    verb.add_argument("--out", type=as_folder, default=Path("out/advise"), metavar="DIR", help="default: %(default)s")
+    verb.add_argument("--time-limit", type=as_seconds, default=3600.0, metavar="S", help="a run; default: %(default)g")
+
+
+def _advise(options) -> int:
+    from harness.report.advise import advise_answer, check_places, write_advice
+    from harness.report.advise_words import limits, paragraph
+    from harness.scene.load import load_scene
+    from harness.studies.advise import advise, read_evidence
+    from harness.studies.effects.asked import asked_quantities, asked_tolerance
+
+    scene = load_scene(options.file)
+    tolerance = asked_tolerance(scene, options.tolerance)
+    asked_quantities(scene, [options.quantity] if options.quantity else None)
+    check_places(options.out)
+    ladders, effects = _studies(options)
+    evidence = read_evidence(
+        scene, options.file, quantity=options.quantity, folder=ladders, effects=effects, tolerance=tolerance
+    )
+    advice = advise(evidence, tolerance)
+    page = write_advice(advice, options.out)
+    show(advise_answer(advice), options)
+    if options.json != "-":
+        print("\n".join([paragraph(advice), *limits(advice), f"report: {page}"]))
+    return advice.exit_status
+
+
+def _studies(options) -> tuple[Path, Path | None]:
+    """Return the folders of the studies, run if they are not named."""
+    if options.source is not None:
+        return options.source, options.effects_from
+    ladders = options.out / "accuracy"
+    _run_accuracy(options, ladders)
+    effects = options.effects_from
+    if effects is None:
+        effects = options.out / "effects"
+        _run_effects(options, effects)
+    return ladders, effects
+
+
+def _run_accuracy(options, out: Path) -> None:
+    from harness.report.accuracy import write_accuracy
+    from harness.report.accuracy_bulk import write_bulk
+    from harness.report.accuracy_expected import announcement
+    from harness.runs.progress import progress_for
+    from harness.studies.accuracy import accuracy
+    from harness.studies.accuracy.bulk import BulkAccuracy
+
+    asked = {
+        "engines": options.engines, "knob": None, "ladder": None, "quantity": options.quantity,
+        "packings": options.packings, "workers": options.workers,
+    }
+    expected = announcement(options.file, **asked)
+    if expected:
+        print(expected, file=sys.stderr, flush=True)
+    done = accuracy(options.file, out, **asked, time_limit=options.time_limit, progress=progress_for)
+    write = write_bulk if isinstance(done, BulkAccuracy) else write_accuracy
+    write(done, out)
+
+
+def _run_effects(options, out: Path) -> None:
+    from harness.report.effects import write_effects
+    from harness.runs.progress import progress_for
+    from harness.studies.effects import effects_study
+
+    write_effects(effects_study(
+        options.file, out, quantities=[options.quantity] if options.quantity else None, tolerance=options.tolerance,
+        engines=options.engines, packings=options.packings, time_limit=options.time_limit, workers=options.workers,
+        progress=progress_for,
+    ), out)

@@ -1,0 +1,107 @@
+"""The report of the gauntlet from results that are known."""
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+
+from harness.errors import InputError
+from harness.report.stability import DATA, PICTURE, check_places, stability_answer, summary, write_stability
+from harness.report.stability_figure import stability_figure
+from harness.report.stability_tables import TABLES, note, outcome_table, tables
+from harness.runs.outcome import Host
+from harness.scene.expect import Expect, Invariant
+from harness.studies.stability.cases import Case
+from harness.studies.stability.judge import Held, Result
+from harness.studies.stability.study import Stability
+
+ENGINES = ("lammps", "kernel:talk")
+
+
+def case(name, refused=None):
+    kept = Invariant(name="energy", tolerance=1e-3, reason="second order")
+    expect = Expect(topics=("alone",), why="it is hard", refused=refused, invariants=() if refused else (kept,))
+    return Case(name=name, file=Path(f"{name}.toml"), expect=expect, title=f"Case {name}", scene=None, refusal="")
+
+
+def held(size):
+    return Held(invariant="energy", size=size, tolerance=1e-3, ruin=0.1, says="largest change of energy, relative")
+
+
+def result(name, engine, ended, size=None, expected="stable", reason=""):
+    return Result(
+        case=name, engine=engine, ended=ended, reason=reason, expected=expected, known="", steps=100, seconds=0.5,
+        held=() if size is None else (held(size),), reproduce=f"grainproof stability {name} --engines {engine}",
+    )
+
+
+@pytest.fixture
+def made():
+    results = (
+        result("good", "lammps", "stable", 1e-4), result("good", "kernel:talk", "stable", 2e-4),
+        result("bad", "lammps", "failed_silently", 0.5, reason="energy: <much> 0.5 > 0.001"),
+        result("bad", "kernel:talk", "failed_loudly", reason="it stops", expected="failed_loudly"),
+        result("none", "lammps", "refused", expected="refused"), result("none", "kernel:talk", "refused", expected="refused"),
+    )
+    host = Host(cpu_model="x", cores=1, os="x", python="3", numpy="2")
+    return Stability(
+        cases=(case("good"), case("bad"), case("none", "radius")), engines=ENGINES, results=results, host=host,
+        wall_seconds=1.0,
+    )
+
+
+def test_everything_is_written_and_reads_back(made, tmp_path):
+    page = write_stability(made, tmp_path)
+    text = page.read_text()
+    assert "bad on lammps" in text and "&lt;much&gt;" in text and "<much>" not in text
+    assert (tmp_path / PICTURE).stat().st_size > 1000
+    for name in TABLES:
+        rows = list(csv.DictReader((tmp_path / f"{name}.csv").open()))
+        assert len(rows) == len(tables(made)[name])
+    data = json.loads((tmp_path / DATA).read_text())
+    assert data["surprises"] == [["bad", "lammps"]]
+    assert data["exit_status"] == 1
+
+
+def test_the_page_needs_no_other_file(made, tmp_path):
+    text = write_stability(made, tmp_path).read_text()
+    assert "data:image/png;base64," in text
+    assert "src=\"http" not in text and "<link" not in text
+
+
+def test_what_is_not_as_declared_says_what_was(made):
+    rows = outcome_table(made)
+    assert rows[1]["lammps"] == "failed silently (declared stable)"
+    assert rows[1]["kernel:talk"] == "failed loudly"
+
+
+def test_beside_the_word_stands_what_broke_or_came_nearest(made):
+    assert note(made.of("bad", "lammps")) == "energy 0.5 > 0.001"
+    assert note(made.of("good", "lammps")) == "energy 0.0001 of 0.001"
+    assert note(made.of("none", "lammps")) == ""
+
+
+def test_the_line_counts_silent_failures(made):
+    assert summary(made) == (
+        "3 hard cases on lammps, kernel:talk: 1 ended otherwise than declared; one run failed without a word of the code"
+    )
+
+
+def test_the_figure_frames_what_is_not_as_declared(made):
+    left, right = stability_figure(made).axes
+    framed = [p for p in left.patches if p.get_edgecolor()[:3] != (1.0, 1.0, 1.0)]
+    assert len(left.patches) == 6 and len(framed) == 1
+    points = {line.get_label(): line.get_xdata() for line in right.lines}
+    assert list(points["lammps"]) == pytest.approx([0.1, 500.0])
+
+
+def test_people_get_the_outcomes_and_their_count(made):
+    shown = stability_answer(made).tables
+    assert [r["stable"] for r in shown["Count"]] == [1, 1]
+
+
+def test_a_folder_in_the_way_is_told_before_anything_runs(tmp_path):
+    (tmp_path / "stability.html").mkdir()
+    with pytest.raises(InputError, match="expected a file or nothing"):
+        check_places(tmp_path)

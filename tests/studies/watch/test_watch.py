@@ -1,0 +1,170 @@
+"""The monitors: exact energies of collisions, what is not known, and that watching alters no bit."""
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from harness.engines.registry import ENGINES, find_engine
+from harness.report.run import run_answer, write_run_files
+from harness.runs.execute import same_trajectory
+from harness.runs.outcome import read_outcome
+from harness.studies.single import single_run
+from harness.studies.watch import watch, watch_folder
+from postproc.snapshot import Columns
+from postproc.trajectory import Trajectory, read_trajectory
+
+M_STAR, STIFFNESS, SPEED = 5e-7, 1e5, 1.0
+ENERGY = 0.5 * M_STAR * SPEED**2
+
+
+@pytest.fixture
+def made(tmp_path):
+    """made(file) runs a scene on the kernel and watches it."""
+
+    def run(file, engine="kernel", out="out", watched=True):
+        return single_run(file, find_engine(engine), tmp_path / out, time_limit=60, watched=watched)
+
+    return run
+
+
+def test_elastic_collision_keeps_energy_and_momentum(made, head_on):
+    seen = made(head_on()).watch
+    assert np.abs(seen.curves["dissipated"]).max() < 1e-3 * ENERGY
+    assert seen.curves["momentum"].max() < 1e-18
+    deepest = SPEED * math.sqrt(M_STAR / STIFFNESS) / 1e-3
+    assert seen.curves["largest overlap"].max() == pytest.approx(deepest, rel=1e-3)
+    assert seen.curves["elastic energy, normal"].max() == pytest.approx(ENERGY, rel=2e-3)
+    assert seen.curves["lost particles"].max() == seen.curves["numbers not finite"].max() == 0.0
+    assert "rotational energy" not in seen.curves
+    assert "work of walls" not in seen.curves
+
+
+def test_dashpot_takes_what_the_restitution_says(made, head_on):
+    gamma = 0.05
+    b = gamma / (2 * M_STAR)
+    e = math.exp(-math.pi * b / math.sqrt(STIFFNESS / M_STAR - b**2))
+    seen = made(head_on(gamma)).watch
+    assert seen.curves["dissipated"][-1] == pytest.approx(ENERGY * (1 - e**2), rel=1e-2)
+    assert seen.made < 1e-3 * ENERGY
+
+
+def test_displacement_per_step_is_that_of_the_fastest(made, head_on):
+    done = made(head_on())
+    assert done.watch.curves["largest displacement per step"][0] == pytest.approx(0.5 * done.system.dt / 1e-3)
+
+
+def test_work_of_a_wall_is_the_energy_that_it_gives(made, pushed):
+    """The disc leaves with 2 u: m (2 u)^2/2."""
+    seen = made(pushed()).watch
+    given = 0.5 * 1e-6 * 0.2**2
+    assert seen.curves["work of walls"][-1] == pytest.approx(given, rel=2e-3)
+    assert abs(seen.curves["dissipated"][-1]) < 2e-3 * given
+    assert seen.work_error < 2e-3 * given
+
+
+def test_static_residual_is_the_force_on_a_pressed_pair_over_itself(made, head_on):
+    """While two discs press each other the net force on each is the contact force."""
+    seen = made(head_on()).watch
+    pressed = seen.curves["largest overlap"] > 0
+    assert seen.curves["static residual"][pressed] == pytest.approx(1.0)
+    assert (seen.curves["static residual"][~pressed] == 0.0).all()
+
+
+def test_weight(made, head_on):
+    """Falling discs: what weight gives is what they move with."""
+    seen = made(head_on(more="gravity = [0.0, -9.81]")).watch
+    assert np.abs(seen.curves["dissipated"]).max() < 1e-3 * ENERGY
+    assert seen.curves["energy of weight"][-1] < 0.0
+
+
+def test_turning_ring_does_work_against_the_torque(made, head_on):
+    from harness.scene.system import Ring
+    from harness.studies.watch.energies import work_of_walls
+    from harness.studies.watch.state import state_of
+
+    done = made(head_on())
+    ring = Ring(
+        index=1, name="inner", centre=(0.0, 0.0), circle=1.0, omega=3.0,
+        x=np.array([[1.0, 0.0]]), radius=np.array([0.1]),
+    )
+    time = np.linspace(0.0, done.trajectory.frames[-1].time, 11)
+    series = Columns({"time": time, "inner_torque": np.full(11, -2.0)}, "series")
+    states = [state_of(done.system, done.trajectory.frames[k]) for k in (0, -1)]
+    work = work_of_walls(done.system.with_(rings=(ring,)), replace(done.trajectory, series=series), states)
+    assert work.done == pytest.approx([0.0, 6.0 * time[-1]])
+
+
+def test_what_a_law_with_memory_holds_is_not_known(made, head_on):
+    law = 'normal = {law = "hysteretic", loading_stiffness = 1e5, unloading_stiffness = 2e5, adhesion_stiffness = 0.0, '
+    seen = made(head_on(normal=law + "normal_damping = 0.0}")).watch
+    assert "does not follow from the overlap" in seen.absent["elastic energy, normal"]
+    assert seen.absent["dissipated"].startswith("elastic energy, normal")
+    assert seen.made is None
+    rows = {r["quantity"]: r for r in seen.rows()}
+    assert rows["dissipated"]["largest"] is None
+    assert rows["kinetic energy"]["largest"] is not None
+
+
+def test_a_number_that_is_none_is_seen(made, head_on):
+    done = made(head_on())
+    frame = done.trajectory.frames[3]
+    broken = {k: np.array(v) for k, v in frame.particles.items()}
+    broken["vx"][0] = np.nan
+    frames = list(done.trajectory.frames)
+    frames[3] = replace(frame, particles=Columns(broken, "particles"))
+    seen = watch(done.system, Trajectory(frames=tuple(frames), steps=done.trajectory.steps, series=None))
+    assert seen.curves["numbers not finite"][3] == 1.0
+    rows = {r["quantity"]: r for r in seen.rows()}
+    assert not math.isfinite(rows["kinetic energy"]["largest"])
+
+
+def test_a_run_that_left_nothing_says_so(made, head_on, tmp_path):
+    done = made(head_on())
+    crashed = type(done.outcome)(**{
+        f: getattr(done.outcome, f) for f in done.outcome.__struct_fields__
+    } | {"status": "crashed", "reason": "it did", "trajectory": None})
+    seen = watch_folder(find_engine("kernel"), done.system, tmp_path / "nowhere", crashed)
+    assert seen.of_frames == 0
+    assert all(row["note"].startswith("not available") for row in seen.rows())
+
+
+ENGINE_NAMES = list(ENGINES)
+
+
+@pytest.mark.parametrize("name", ENGINE_NAMES)
+def test_watching_alters_no_bit_and_no_deck(name, made, head_on):
+    """Two folders, one run watched: the same deck, the same trajectory, and nothing left where nobody watched."""
+    if not ENGINES[name].probe().available:
+        pytest.skip(f"{name} is not installed")
+    friction = 'sliding = {law = "spring", shear_friction = 0.5, shear_stiffness = 2e4, shear_damping = 0.01}'
+    file = head_on(0.1, normal=f'normal = {{law = "linear", normal_stiffness = 1e5, normal_damping = 0.1, '
+                               f'attraction = "allowed"}}\n{friction}')
+    plain, seen = made(file, name, "plain", watched=False), made(file, name, "seen")
+    assert plain.outcome.deck_digest == seen.outcome.deck_digest
+    decks = ENGINES[name].render(plain.system)
+    assert all((plain.folder / f).read_bytes() == (seen.folder / f).read_bytes() for f in decks)
+    assert same_trajectory(*(read_trajectory(d.folder / "trajectory.h5") for d in (plain, seen)))
+    assert plain.watch is None
+    assert not (plain.folder / "watch.csv").exists()
+    assert "watch" not in json.loads((plain.folder / "outcome.json").read_text())
+
+
+def test_a_kept_run_is_watched_without_being_made_again(made, head_on):
+    plain, seen = made(head_on(), watched=False), made(head_on())
+    assert plain.outcome.started == seen.outcome.started
+    kept = read_outcome(seen.folder / "outcome.json")
+    assert kept.watch["kinetic energy (J)"] == pytest.approx(ENERGY, rel=1e-3)
+    assert kept.trajectory == plain.outcome.trajectory
+
+
+def test_answer_and_page_show_it(made, head_on):
+    done = made(head_on())
+    write_run_files(done)
+    answer = run_answer(done)
+    assert {r["quantity"] for r in answer.tables["Watch"]} >= {"kinetic energy", "dissipated"}
+    header = (done.folder / "watch.csv").read_text().splitlines()[0]
+    assert header.startswith("time (s),kinetic energy (J)")
+    assert "data:image/png" in (done.folder / "watch.html").read_text()
