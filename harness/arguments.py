@@ -10,6 +10,10 @@ LONGEST_LIMIT = 1e8
 """Seconds, three years: beyond, a time limit is a slip, and timers overflow."""
 
 
+LARGEST_COUNT = 1_000_000
+"""Of anything that is counted on a command line: more is a slip."""
+
+
 class OneLineParser(argparse.ArgumentParser):
     """A parser that reports a wrong command in one line and exits with status 2."""
 
@@ -45,9 +49,9 @@ def as_folder(word: str) -> Path:
 
 
 def as_count(word: str) -> int:
-    """Take a whole number > 0."""
-    if not (word.isascii() and word.isdigit() and 0 < len(word) < 10 and int(word) > 0):
-        raise argparse.ArgumentTypeError(f"expected a whole number > 0, got {word!r}")
+    """Take a whole number from 1 to LARGEST_COUNT."""
+    if not (word.isascii() and word.isdigit() and 0 < len(word) < 10 and 0 < int(word) <= LARGEST_COUNT):
+        raise argparse.ArgumentTypeError(f"expected a whole number from 1 to {LARGEST_COUNT}, got {word!r}")
     return int(word)
 
 

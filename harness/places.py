@@ -20,6 +20,11 @@ def check_places(options) -> None:
         _check_packings(options.out)
     if options.json not in (None, "-"):
         target = Path(options.json)
+        if options.out is not None and target.absolute() in (options.out.absolute(), *options.out.absolute().parents):
+            raise InputError(
+                file="--json", expected="a file", got=f"{options.json}, which is or holds the folder of --out",
+                fix="name a file in it",
+            )
         if target.is_dir() or not target.parent.is_dir() or not os.access(target.parent, os.W_OK | os.X_OK):
             raise InputError(file="--json", expected="a file in a folder that exists", got=options.json or "nothing")
         _keep_input(options, target)

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from harness.report.accuracy_bulk_tables import time_exponent, value_of
-from harness.report.accuracy_bulk_words import what
 from harness.report.accuracy_figure import COLOURS, MARKERS
 from harness.report.figures import new_figure
 from harness.studies.accuracy.bulk_quantities import BULK
@@ -42,13 +41,14 @@ def bulk_figure(done: BulkAccuracy):
     _draw_front(axes[0, -1], done)
     _draw_key(axes[1, -1], done)
     axes[0, 0].set_ylabel(f"error of the {_short(done)}")
-    axes[1, 0].set_ylabel(f"{_short(done)} ({_unit(done)})")
+    unit = _unit(done)
+    axes[1, 0].set_ylabel(_short(done) if unit == "1" else f"{_short(done)} ({unit})")
     _share_range([axes[0, k] for k in range(len(knobs) + 1)])
     return figure
 
 
 def _short(done: BulkAccuracy) -> str:
-    return what(done).partition(",")[0]
+    return done.quantity.replace("_", " ")
 
 
 def _unit(done: BulkAccuracy) -> str:
@@ -89,7 +89,7 @@ def _draw_point(axes, done: BulkAccuracy, engine: str, x: float, error: Error) -
 def _draw_order(axes, done: BulkAccuracy, ladder: Ladder, known: list[tuple[Rung, Error]]) -> None:
     """Draw the power law through the coarsest rung and name its slope against time."""
     order, price = ladder.orders.get(done.quantity), time_exponent(ladder)
-    if order is None or order.error >= order.value or price is None or len(known) < 2:
+    if order is None or order.error > 0.5 * order.value or price is None or len(known) < 2:
         return
     first, error = known[0]
     x = np.array([r.x for r, _ in known])

@@ -33,12 +33,18 @@ def _floor(done: BulkAccuracy) -> str:
     floors = [(e, f) for (e, name), f in done.floors.items() if name == done.quantity]
     if not floors:
         return f"No setting gives the {what(done)} on two packings: there is no error to tell."
-    told = ", ".join(f"{e} {f.value:.4g} {f.unit} ({percent(f.spread)}, {f.packings} packings)" for e, f in floors)
+    told = ", ".join(
+        f"{e} {f.value:.4g}{_unit(f.unit)} ({percent(f.spread)}, {f.packings} packings)" for e, f in floors
+    )
     most = max(f.mean for _, f in floors)
     return (
         f"{what(done).capitalize()} at the scene's own setting, with the scatter of one packing: {told}. The mean over "
         f"packings is known to {percent(most)}: below that no knob buys anything, more packings do."
     )
+
+
+def _unit(unit: str) -> str:
+    return "" if unit == "1" else f" {unit}"
 
 
 def _knob(done: BulkAccuracy, knob: str) -> str:
@@ -51,11 +57,13 @@ def _ladder(done: BulkAccuracy, ladder: Ladder) -> str:
     known = ladder.known(done.quantity)
     if not known:
         return ""
-    rung, error = known[-1] if ladder.knob.words else known[0]
+    if ladder.knob.words:
+        return f"{ladder.engine} {', '.join(_off(r.label, e) for r, e in known if not r.own)}"
+    rung, error = known[0]
     if all(e.size == 0.0 and e.bar == 0.0 for _, e in known):
         return f"{ladder.engine} does not depend on it"
     order = ladder.orders.get(done.quantity)
-    if order is not None and order.error < order.value:
+    if order is not None and order.error <= 0.5 * order.value:
         price = time_exponent(ladder)
         buys = "" if price is None else f", slope {-order.value / price:.2f} against time"
         falls = f"falling with order {order.value:.2f} ± {order.error:.2f}{buys}"

@@ -161,7 +161,8 @@ def summary(comparison: Comparison) -> str:
     system = comparison.starts[0].system
     return (
         f"{len(system.particles)} particles, {system.steps} steps of {system.dt:.4g} s; "
-        f"{len(comparison.completed)} of {len(comparison.runs)} runs completed{without}; checks: {verdicts}"
+        f"{sum(r.trajectory is not None for r in comparison.all_runs)} of {len(comparison.all_runs)} runs completed"
+        f"{without}; checks: {verdicts}"
     )
 
 

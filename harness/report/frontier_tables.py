@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from harness.studies.frontier.summary import scene_rows
+from harness.studies.frontier.theory import felt_late
 
 if TYPE_CHECKING:
     from harness.studies.frontier.study import Frontier, Frontiers
@@ -46,7 +47,7 @@ def summary(done: Frontiers) -> str:
         words.append(f"{len(compared)} against theory, largest deviation {100 * worst:.2g} %")
     if never:
         words.append(f"{never} without any stable step")
-    least = [f.measured / f.formula for f in done.found if f.measured]
+    least = [f.measured / f.formula for f in done.found if f.measured and not felt_late(f.engine, f.system)]
     if least:
         words.append(f"measured over the formula that scenes are refused by: {min(least):.3g} to {max(least):.3g}")
     return "; ".join(words)

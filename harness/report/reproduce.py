@@ -123,8 +123,11 @@ def write_tables(folder: Path, result: Result) -> None:
 
 def summary(result: Result) -> str:
     """Return one line: how the rows and checks came out."""
-    rows, checks = (Counter(x.verdict for x in found) for found in (result.rows, result.checks))
+    exact = [r for r in result.rows if r.talk is not None and r.talk.kind == "analytical"]
+    others = [r for r in result.rows if r not in exact]
+    rows, closed, checks = (Counter(x.verdict for x in found) for found in (others, exact, result.checks))
     parts = [f"against the talk: {_counts(rows)}"]
+    parts += [f"against closed forms: {_counts(closed)}"] if exact else []
     parts += [f"checks: {_counts(checks)}"] if checks else []
     parts += [f"{len(result.broken)} runs failed"] if result.broken else []
     parts += [f"without {', '.join(result.unsupported)}"] if result.unsupported else []

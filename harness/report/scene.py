@@ -7,7 +7,9 @@ from pathlib import Path
 from harness.engines.registry import ENGINES, USUAL, choose_engines
 from harness.report.expected import expected_comparison, likely_system, refusals, run_seconds
 from harness.report.tables import Answer
+from harness.scene.derived import derive
 from harness.scene.explain import Row, Section, as_json, explain, time_row
+from harness.scene.frontier import step_warnings
 from harness.scene.load import load_scene
 from harness.scene.model import Scene
 from harness.scene.resolve import known_system
@@ -18,7 +20,8 @@ def scene_answer(path: Path) -> Answer:
     """Return what a scene file means, by section; nothing is run and nothing is written. Raises InputError."""
     scene = load_scene(path)
     system = likely_system(scene, path)
-    sections = [*explain(scene, known_system(scene, path), expected_seconds(system)), *_outlook(scene, system)]
+    known = known_system(scene, path)
+    sections = [*explain(scene, known, expected_seconds(system)), *_warnings(scene, known), *_outlook(scene, system)]
     tables = {
         title.capitalize(): [{"name": r.name, "value": r.text, "note": r.note} for r in rows]
         for title, rows in sections
@@ -29,6 +32,12 @@ def scene_answer(path: Path) -> Answer:
 def expected_seconds(system: System) -> dict[str, float]:
     """Return the seconds a run is expected to take, by engine that can run it; rough, see each engine."""
     return {name: run_seconds(engine, system) for name, engine in ENGINES.items() if not refusals(engine, system)}
+
+
+def _warnings(scene: Scene, system: System | None) -> list[Section]:
+    """Return what of the time step is near a measured limit; nothing is run for it."""
+    rows = [Row(name=what, value="warning", note=why) for what, why in step_warnings(scene, derive(scene, system))]
+    return [("warnings", rows)] if rows else []
 
 
 def _outlook(scene: Scene, system: System) -> list[Section]:

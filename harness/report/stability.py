@@ -22,9 +22,9 @@ PAGE, DATA, PICTURE = "stability.html", "stability.json", "stability.png"
 
 MATRIX_NOTE = (
     "Stable: every invariant held. Degraded: one is beyond its tolerance, and the answer still means something. "
-    "Failed loudly: the code stopped and said why. Failed silently: the code ended as if all were well, and it was not; "
-    "the harness found it. Refused: the scene is turned down before anything runs. Beside the word stands the invariant "
-    "that used most of its tolerance."
+    "Failed loudly: the code stopped and said why. Failed silently: the code ended as if all were well, and it was "
+    "not; the harness found it. Refused: the scene is turned down before anything runs. Beside the word stands the "
+    "invariant that used most of its tolerance."
 )
 SILENT_NOTE = "These runs ended with status 0 and no message. What they leave behind must not be used."
 INVARIANT_NOTE = (

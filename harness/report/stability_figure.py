@@ -22,9 +22,9 @@ SMALLEST = 1e-6
 """Share of a tolerance below which points are drawn at the edge."""
 
 CAPTION = (
-    "Left: how each case ended on each code; a frame marks what is not as declared. Right: the invariant that used most "
-    "of its tolerance, on a logarithmic scale; beyond 1 it is broken. Cases without a point have no tolerance above 0, "
-    "or did not run to their end."
+    "Left: how each case ended on each code; a frame marks what is not as declared. Right: the invariant that used "
+    "most of its tolerance, on a logarithmic scale; beyond 1 it is broken. Cases without a point have no tolerance "
+    "above 0, or did not run to their end."
 )
 
 

@@ -42,7 +42,7 @@ def made():
         result("good", "lammps", "stable", 1e-4), result("good", "kernel:talk", "stable", 2e-4),
         result("bad", "lammps", "failed_silently", 0.5, reason="energy: <much> 0.5 > 0.001"),
         result("bad", "kernel:talk", "failed_loudly", reason="it stops", expected="failed_loudly"),
-        result("none", "lammps", "refused", expected="refused"), result("none", "kernel:talk", "refused", expected="refused"),
+        *(result("none", engine, "refused", expected="refused") for engine in ENGINES),
     )
     host = Host(cpu_model="x", cores=1, os="x", python="3", numpy="2")
     return Stability(
@@ -54,7 +54,9 @@ def made():
 def test_everything_is_written_and_reads_back(made, tmp_path):
     page = write_stability(made, tmp_path)
     text = page.read_text()
-    assert "bad on lammps" in text and "&lt;much&gt;" in text and "<much>" not in text
+    assert "bad on lammps" in text
+    assert "&lt;much&gt;" in text
+    assert "<much>" not in text
     assert (tmp_path / PICTURE).stat().st_size > 1000
     for name in TABLES:
         rows = list(csv.DictReader((tmp_path / f"{name}.csv").open()))
@@ -67,7 +69,8 @@ def test_everything_is_written_and_reads_back(made, tmp_path):
 def test_the_page_needs_no_other_file(made, tmp_path):
     text = write_stability(made, tmp_path).read_text()
     assert "data:image/png;base64," in text
-    assert "src=\"http" not in text and "<link" not in text
+    assert "src=\"http" not in text
+    assert "<link" not in text
 
 
 def test_what_is_not_as_declared_says_what_was(made):
@@ -84,14 +87,16 @@ def test_beside_the_word_stands_what_broke_or_came_nearest(made):
 
 def test_the_line_counts_silent_failures(made):
     assert summary(made) == (
-        "3 hard cases on lammps, kernel:talk: 1 ended otherwise than declared; one run failed without a word of the code"
+        "3 hard cases on lammps, kernel:talk: 1 ended otherwise than declared; "
+        "one run failed without a word of the code"
     )
 
 
 def test_the_figure_frames_what_is_not_as_declared(made):
     left, right = stability_figure(made).axes
     framed = [p for p in left.patches if p.get_edgecolor()[:3] != (1.0, 1.0, 1.0)]
-    assert len(left.patches) == 6 and len(framed) == 1
+    assert len(left.patches) == 6
+    assert len(framed) == 1
     points = {line.get_label(): line.get_xdata() for line in right.lines}
     assert list(points["lammps"]) == pytest.approx([0.1, 500.0])
 

@@ -11,7 +11,7 @@ from harness.studies.accuracy.asked import Knob
 from harness.studies.accuracy.limit import Limit, Order, standard_error
 
 ROUNDING = 1e-9
-"""Error that is none, whatever its bar."""
+"""Share of a quantity that is no error."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -59,8 +59,8 @@ class Error:
 
     @property
     def seen(self) -> bool:
-        """Whether it stands out of its own error, and of rounding."""
-        return self.size > max(2.0 * self.bar, ROUNDING)
+        """Whether it stands out of its own error."""
+        return self.size > 2.0 * self.bar
 
     @property
     def most(self) -> float:
@@ -154,11 +154,13 @@ class Ladder:
 
 def _error(each: np.ndarray, systematic: Sequence[np.ndarray], scale: float) -> Error:
     mean, bar = each.mean(axis=0), np.hypot(standard_error(each), np.sqrt(sum(s**2 for s in systematic)))
-    size = float(np.sqrt((mean**2).mean())) / scale
-    return Error(
-        size=size, bar=float(np.sqrt((bar**2).mean())) / scale, packings=len(each),
-        signed=float(mean[0]) / scale if len(mean) == 1 else size,
-    )
+    size, spread = (_unrounded(float(np.sqrt((a**2).mean())) / scale) for a in (mean, bar))
+    signed = float(np.copysign(size, mean[0])) if len(mean) == 1 else size
+    return Error(size=size, bar=spread, signed=signed, packings=len(each))
+
+
+def _unrounded(share: float) -> float:
+    return share if share > ROUNDING else 0.0
 
 
 def scale_of(limit: Limit | None, own: np.ndarray | None, declared: float | None) -> float | None:
@@ -202,8 +204,15 @@ class Offer:
 
 
 def cheapest(ladder: Ladder, quantity: str, target: float, floor: Floor | None) -> Offer:
-    """Return the first rung from which on all errors, one standard error added, stay below the target."""
+    """Return the first rung from which on all errors, one standard error added, stay below the target.
+
+    Of a knob of words, where nothing is finer than anything, the fastest one.
+    """
     known, found = ladder.known(quantity), None
+    if ladder.knob.words:
+        near = [(r, e) for r, e in known if e.most <= target and r.seconds is not None]
+        found = min(near, key=lambda re: re[0].seconds, default=None)
+        known = [] if found else known
     for rung, error in reversed(known):
         if error.most > target or rung.seconds is None:
             break

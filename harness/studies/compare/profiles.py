@@ -18,7 +18,7 @@ from postproc.propagation import linearised
 from postproc.results import Unavailable
 from postproc.snapshot import MissingColumn, Snapshot
 from postproc.trajectory import Trajectory
-from postproc.uncertainty import ENOUGH_POOLED, SHORT, estimate
+from postproc.uncertainty import ENOUGH, ENOUGH_POOLED, SHORT, estimate
 
 FIELDS = {f.name: f for f in IN_CELLS}
 ROUNDING = 1e-9
@@ -30,7 +30,8 @@ class Profile:
     """A quantity in K cells: mean and standard error (K,), in `unit`.
 
     samples: effective number (K,). frames: how many have a value (K,). short: (K,), too few autocorrelation times for
-    the error to be trusted; needed: as many frames as would do.
+    the error to be trusted; needed: as many frames as would do. series: what was averaged, (F, K), NaN in gaps; None
+    where only the averages are known.
     """
 
     unit: str
@@ -40,6 +41,7 @@ class Profile:
     frames: np.ndarray
     short: np.ndarray
     needed: float
+    series: np.ndarray | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,8 +138,31 @@ def profile_of(series: np.ndarray, unit: str) -> Profile:
     tau = e.tau[np.isfinite(e.tau)]
     return Profile(
         unit=unit, mean=e.mean, error=e.error, samples=e.samples, frames=e.frames, short=e.doubt == SHORT,
-        needed=ENOUGH_POOLED * float(tau.min()) if tau.size else 0.0,
+        needed=ENOUGH_POOLED * float(tau.min()) if tau.size else 0.0, series=series,
     )
+
+
+def number_of(series: np.ndarray, unit: str) -> Profile:
+    """Average the series (F,) of one number over its frames, with its own autocorrelation time: a profile of one cell.
+
+    `samples`, `frames` and `needed` count entries of the series.
+    """
+    e = estimate(series[:, None])
+    return Profile(
+        unit=unit, mean=e.mean, error=e.error, samples=e.samples, frames=e.frames, short=e.doubt == SHORT,
+        needed=float(np.nan_to_num(ENOUGH * e.tau[0])), series=series[:, None],
+    )
+
+
+def mean_over(profile: Profile, cells: np.ndarray, weights: np.ndarray | None = None) -> Profile:
+    """Return the mean over cells (K,), true where they count, as a number with an error of its own.
+
+    The error is that of the series of this mean, frame by frame: cells move together, so that their errors do not add
+    up to it. A gap counts as the cell's mean. weights: of the cells, (K,), alike without.
+    """
+    w = np.where(cells, 1.0 if weights is None else weights, 0.0)
+    filled = np.where(np.isfinite(profile.series), profile.series, profile.mean)
+    return number_of(filled[:, cells] @ (w[cells] / w.sum()), profile.unit)
 
 
 def glued_part(system: System, edges: np.ndarray) -> np.ndarray:

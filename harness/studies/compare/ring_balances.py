@@ -8,11 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.scene.system import System
-from harness.studies.compare.profiles import Profile, profile_of
+from harness.studies.compare.profiles import Profile, mean_over, number_of, profile_of
 from harness.studies.compare.ring_curves import RingCurves
 from postproc.fields import Subject
 from postproc.macro.ring_balance import momentum_rest, net_force, sum_inside, torque_of, torque_through
-from postproc.uncertainty import estimate
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,7 +24,7 @@ class RingBalances:
     through: torque from the inside of circles r to their outside, contacts and motion. from_inner, from_outer: what it
     exceeds what enters at the inner ring, or leaves at the outer one, with the drag between. circles: (K,), r that have
     discs on both sides in every frame. momentum: (r, phi) residuals of the balance of momentum, N/m.
-    pressure: mean of (sigma_rr + sigma_phiphi)/2, N/m.
+    mean_pressure: (sigma_rr + sigma_phiphi)/2, its mean over the cells, N/m.
     absent: why there is nothing of contacts.
     """
 
@@ -40,8 +39,13 @@ class RingBalances:
     from_outer: Profile | None = None
     circles: np.ndarray | None = None
     momentum: tuple[Profile, Profile] | None = None
-    pressure: float = np.nan
+    mean_pressure: Profile | None = None
     absent: str = ""
+
+    @property
+    def pressure(self) -> float:
+        """The value of `mean_pressure`, N/m; NaN where there is none."""
+        return np.nan if self.mean_pressure is None else float(self.mean_pressure.mean[0])
 
 
 def ring_balances(curves: RingCurves, subjects: Sequence[Subject], system: System) -> RingBalances:
@@ -61,12 +65,7 @@ def ring_balances(curves: RingCurves, subjects: Sequence[Subject], system: Syste
 
 
 def _number(series: np.ndarray) -> Profile:
-    """Average one series (F,), its own autocorrelation time."""
-    e = estimate(series[:, None])
-    return Profile(
-        unit="N m", mean=e.mean, error=e.error, samples=e.samples, frames=e.frames, short=e.doubt == "short",
-        needed=float(np.nan_to_num(50.0 * e.tau[0])),
-    )
+    return number_of(series, "N m")
 
 
 def _drift(torque: np.ndarray) -> Profile:
@@ -109,9 +108,15 @@ def _of_contacts(subjects: Sequence[Subject], system: System) -> dict:
     lacks = np.where(both, 0.0, np.nan)
     return {
         "through": profile_of(through, "N m"), "from_inner": profile_of(inside + lacks, "N m"),
-        "from_outer": profile_of(outside + lacks, "N m"), "circles": both, "pressure": float(np.nanmean(pressure)),
+        "from_outer": profile_of(outside + lacks, "N m"), "circles": both, "mean_pressure": _pressure(pressure),
         "momentum": tuple(profile_of(rest[:, :, axis], "N/m") for axis in (0, 1)),
     }
+
+
+def _pressure(series: np.ndarray) -> Profile:
+    """Average the pressures of frames and cells (F, K), all cells alike."""
+    profile = profile_of(series, "N/m")
+    return mean_over(profile, np.isfinite(profile.mean))
 
 
 def _frame(subject: Subject, system: System) -> tuple[np.ndarray, ...]:

@@ -8,7 +8,7 @@ from harness.errors import InputError
 from harness.scene.describe import nearest
 from harness.studies.reproduce.protocol import Study
 
-STUDIES: tuple[str, ...] = ("cohesion", "friction", "anisotropy", "rotations", "cyclic")
+STUDIES: tuple[str, ...] = ("cohesion", "friction", "anisotropy", "rotations", "ring", "cyclic", "contact", "sound")
 """Names of studies, each that of its module in this package, in the order of `--list`."""
 
 

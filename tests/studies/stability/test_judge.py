@@ -107,14 +107,17 @@ def test_declared_endings_go_by_name_then_by_code():
 
 
 def test_the_kernel_may_not_fail_silently_even_when_declared():
-    result = Result(case="c", engine="kernel:talk", ended="failed_silently", reason="", expected="failed_silently", known="")
-    assert result.as_declared and result.kernel_failed_silently
+    silent = "failed_silently"
+    result = Result(case="c", engine="kernel:talk", ended=silent, reason="", expected=silent, known="")
+    assert result.as_declared
+    assert result.kernel_failed_silently
 
 
 def test_a_refusal_must_name_what_was_declared():
     assert judge_refusal(case(refused="radius", refusal="the radius is wrong"), "lammps").ended == "refused"
     other = judge_refusal(case(refused="radius", refusal="the mass is wrong"), "lammps")
-    assert other.ended == "failed_silently" and "another reason" in other.reason
+    assert other.ended == "failed_silently"
+    assert "another reason" in other.reason
     assert judge_refusal(case(refused="radius", refusal=""), "lammps").reason.startswith("the scene was taken")
 
 
@@ -130,7 +133,8 @@ def test_the_worst_is_the_ruined_one_then_the_furthest_beyond():
 
 
 def test_no_number_is_broken_and_ruined():
-    assert held(math.nan, 1.0).broken and held(math.nan, 1.0).ruined
+    assert held(math.nan, 1.0).broken
+    assert held(math.nan, 1.0).ruined
     assert not held(None, 1.0).broken
 
 
@@ -142,4 +146,5 @@ def test_a_twin_that_failed_leaves_its_invariant_unmeasured(apart):
     from harness.scene.expect import Twin
 
     found = measure(invariant("twin", 1.0, twin=Twin(case="other")), apart, {"other": None})
-    assert found.size is None and "did not complete" in found.says
+    assert found.size is None
+    assert "did not complete" in found.says

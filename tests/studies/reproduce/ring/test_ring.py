@@ -61,7 +61,7 @@ def test_powers_of_r_are_found():
 
 
 def test_errors_of_powers_cover():
-    """Flows that jump as a whole: the jackknife's 95 % intervals (Student's t, 9 degrees) hold the truth; cells' own do not."""
+    """Flows that jump as a whole: the jackknife's 95 % intervals (Student's t) cover; cells' own are useless."""
     rng, inside, sizes = np.random.default_rng(1), [], []
     for _ in range(120):
         n = exponents(flow(rng, frames=100))["power of r of sigma_rphi"]

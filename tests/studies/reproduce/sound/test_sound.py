@@ -27,7 +27,7 @@ from postproc.snapshot import Columns, Snapshot
 from postproc.trajectory import Trajectory, read_trajectory
 
 SMOOTH, ROUGH = Material(), Material(tangential=2e4)
-LAYERS, ACROSS, FRAMES = 72, 3, 160
+LAYERS, ACROSS, FRAMES = 60, 3, 120
 
 
 def column(material=SMOOTH, layers=LAYERS):
@@ -121,8 +121,7 @@ def test_linear_theory_of_the_regular_column_is_the_closed_form():
 # --- runs ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("engine", "material"), [
-    ("kernel:talk", SMOOTH), ("kernel:lammps", ROUGH), ("kernel:liggghts", ROUGH)])
+@pytest.mark.parametrize(("engine", "material"), [("kernel:talk", SMOOTH), ("kernel:lammps", ROUGH)])
 def test_a_run_gives_the_closed_form(ran, engine, material):
     setting, system, trajectory = ran(engine, material)
     found = measure_sound(setting, trajectory, system)
