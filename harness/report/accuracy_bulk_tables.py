@@ -65,8 +65,19 @@ def _budget_row(done: BulkAccuracy, knob: str, of: str, offer: Offer) -> dict:
     return row | {
         "cheapest": offer.ladder.engine, "setting": offer.rung.label, "error": offer.error.size,
         "+-": offer.error.bar, "CPU (s)": offer.rung.seconds, "times faster than declared": faster,
-        "gives up": gives_up(offer.ladder, offer.rung, done.quantity),
+        "gives up": gives_up(offer.ladder, offer.rung, done.quantity) + above(done, offer),
     }
+
+
+def above(done: BulkAccuracy, offer: Offer) -> str:
+    """Say that packings scatter by more than the target, so that the setting alone does not bring it; "" if not."""
+    floor = done.floors.get((offer.ladder.engine, done.quantity))
+    if floor is None or floor.mean <= offer.target:
+        return ""
+    return (
+        f"; the mean over packings itself is known to {percent(floor.mean)} only: "
+        f"{floor.needed(offer.target)} packings would do"
+    )
 
 
 def gives_up(ladder: Ladder, rung: Rung, quantity: str) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from harness.studies.advise.choose import EFFECTS
+from harness.studies.advise.choose import EFFECTS, counted_rung
 from harness.studies.advise.study import told_errors
 
 if TYPE_CHECKING:
@@ -48,9 +48,7 @@ def _engine_row(choice: Choice) -> dict:
 def _knob_row(advice: Advice, choice: Choice, knob: str) -> dict:
     rung, own = choice.rungs[knob], advice.evidence.ladders[choice.engine][knob].own
     part = next(p for p in choice.parts if p.name == knob)
-    known = "measured: this rung was run, with everything else as declared" if rung.origin == "measured" else (
-        f"extrapolated: {rung.how}"
-    )
+    known = _known(advice.evidence.ladders[choice.engine][knob], rung)
     return _row(
         WHAT[knob], _number(knob, rung.value), known, **{
             "as declared": None if own is None else _number(knob, own.value), "error (%)": 100.0 * part.error,
@@ -58,6 +56,16 @@ def _knob_row(advice: Advice, choice: Choice, knob: str) -> dict:
             "time over as declared": part.ratio if own is not None else None,
         },
     )
+
+
+def _known(ladder, rung) -> str:
+    if rung.origin == "extrapolated":
+        return f"extrapolated: {rung.how}"
+    counted = counted_rung(ladder, rung)
+    worse = "" if counted is rung else (
+        f"; its own error of {100.0 * rung.error:.2g} % may be chance: that at {counted.value:.4g} is larger and counts"
+    )
+    return f"measured: this rung was run, with everything else as declared{worse}"
 
 
 def _number(knob: str, value: float) -> float | int:

@@ -66,7 +66,7 @@ def write_report(comparison: Comparison, out: Path) -> Written:
             between=[*watch_sections(comparison.all_runs), *place_sections(comparison.words)],
         ),
     ]
-    page = render_page(title=comparison.scene.title, lead=f"{summary(comparison)}.", sections=sections)
+    page = render_page(title=comparison.scene.title, lead=_lead(comparison), sections=sections)
     for name, rows in tables.items():
         write_text_atomic(out / f"{name}.csv", csv_text(rows))
     write_json_atomic(out / DATA, report_data(comparison))
@@ -75,6 +75,12 @@ def write_report(comparison: Comparison, out: Path) -> Written:
     files = tuple(out / f"{name}.csv" for name in tables)
     picture = _write_picture(comparison, out / PICTURE)
     return Written(page=out / PAGE, data=out / DATA, tables=files, picture=picture)
+
+
+def _lead(comparison: Comparison) -> str:
+    """The summary, and of rings whether they were shown to be steady."""
+    more = couette.lead(comparison) if isinstance(comparison.scene, Couette) else ""
+    return f"{summary(comparison)}. {more}".strip()
 
 
 PICTURE, PAGE, DATA, JUNIT = "overview.png", "report.html", "report.json", "junit.xml"

@@ -6,22 +6,26 @@ from typing import TYPE_CHECKING
 
 from harness.report import ring_panels as panels
 from harness.report.page import Section
+from harness.report.replicates import error_rates, looking_again, replicate_page_rows
 from harness.report.ring_pictures import chain_figure, overview, spin_figure
 from harness.report.ring_tables import TABLES, number_page_rows, published_rows, tables
 from harness.scene.ring import area_fractions
-from harness.studies.compare.profile_checks import FALSE_ALARM
+from harness.studies.compare.profile_checks import FALSE_ALARM, MOST
+from harness.studies.compare.ring_checks import STEADY
+from harness.studies.compare.significance import POWER
 
 if TYPE_CHECKING:
     from harness.studies.compare.study import Comparison
+    from harness.studies.verdict import Check
 
-__all__ = ["TABLES", "overview", "sections", "tables"]
+__all__ = ["TABLES", "lead", "overview", "sections", "tables"]
 
 PUBLISHED_NOTE = (
     "Recalled values are shown for orientation: they were not seen in their source and never decide a verdict. They "
     "belong to rings of the real size at three densities. The talk's range is judged in the sheared regime only."
 )
 BALANCE_NOTE = (
-    "Newton's laws in the steady state. 2 pi r^2 sigma_rphi is the torque of what is inside a circle on what is "
+    "Newton's laws, averaged over time. 2 pi r^2 sigma_rphi is the torque of what is inside a circle on what is "
     "outside, from the contacts that link discs across it: with the drag in between it is that of both rings at every "
     "r. Stresses averaged over the area of discs are not exactly that, least of all within a disc of a wall; they are "
     "shown dotted. Residuals are net force, drag and centripetal acceleration per area, times r."
@@ -43,9 +47,8 @@ def sections(comparison: Comparison) -> list[Section]:
         "Couple stress": panels.profile_panels(comparison, panels.COUPLES),
     }
     return [
-        Section(
-            heading="Numbers of the steady state", note=_number_note(comparison), rows=number_page_rows(comparison)
-        ),
+        Section(heading=_averages(comparison), note=_number_note(comparison), rows=number_page_rows(comparison)),
+        *_between_codes(comparison),
         Section(heading="Published", note=PUBLISHED_NOTE, rows=published_rows(comparison)),
         Section(heading="Torque", figures=panels.torque_panels(comparison)),
         Section(heading="Profiles", note=_profile_note(comparison)),
@@ -53,6 +56,59 @@ def sections(comparison: Comparison) -> list[Section]:
         Section(heading="Equilibrium", note=BALANCE_NOTE, figures=panels.balance_panels(comparison)),
         *_pictures(comparison),
     ]
+
+
+def lead(comparison: Comparison) -> str:
+    """Return what belongs on top: whether the state was shown to be steady, and how; "" without a run."""
+    checks = _steadiness(comparison)
+    if not checks:
+        return ""
+    compared, start = "torques of the two halves", f"{comparison.scene.compare.steady_from:g} s"
+    if _steady(comparison):
+        return f"The state is steady from {start} on as far as it was looked at: {compared} agree in every code."
+    apart = ", ".join(
+        f"{c.left} {100 * c.deviation:.2g} % (error bars {100 * c.tolerance:.2g} %)" for c in checks
+        if c.verdict != "agrees" and None not in (c.deviation, c.tolerance)
+    )
+    differ = any(c.verdict == "differs" for c in checks)
+    what = "The state is not steady" if differ else "That the state is steady was not shown"
+    return f"{what}: {compared} of the time from {start} on are apart by {apart}. All are averages over that time."
+
+
+def _steadiness(comparison: Comparison) -> list[Check]:
+    return [c for c in comparison.checks if c.quantity == STEADY]
+
+
+def _steady(comparison: Comparison) -> bool:
+    """Whether every run was shown to be steady."""
+    checks = _steadiness(comparison)
+    return bool(checks) and all(c.verdict == "agrees" for c in checks)
+
+
+def _averages(comparison: Comparison) -> str:
+    if _steady(comparison):
+        return "Numbers of the steady state"
+    return f"Averages from {comparison.scene.compare.steady_from:g} s on"
+
+
+def _between_codes(comparison: Comparison) -> list[Section]:
+    """The numbers and offsets of pairs of codes, side by side."""
+    judged = comparison.result.judged
+    if not judged:
+        return []
+    terms = judged[0].terms
+    how = (
+        "Over packings, each compared with itself." if terms.paired else
+        "One packing: errors are those of time averages, pooled over all codes; packings scatter besides. What has "
+        "too few autocorrelation times concludes nothing."
+    )
+    note = (
+        f"Numbers, and of every profile its mean over the cells: what all cells differ by, which tests of single cells "
+        f"do not see. Differences are parts of the number, of a mean over cells of the profile's size (its root mean "
+        f"square; of the volume fraction that of its variation over r, as its mean is set by the scene). {how} "
+        f"{error_rates(terms, len(judged))}\n{looking_again(terms)}"
+    )
+    return [Section(heading="Numbers of codes beside each other", note=note, rows=replicate_page_rows(judged))]
 
 
 def _number_note(comparison: Comparison) -> str:
@@ -63,8 +119,17 @@ def _number_note(comparison: Comparison) -> str:
         f"Averages from {scene.compare.steady_from:g} s to the end; +- is one standard error, of a single packing that "
         f"of the time average. Area fraction {nu['bare']:.4f} of the bare annulus, {nu['free']:.4f} of the free one "
         "between the glued discs. Torques are those of the discs on the rings, per unit thickness. Powers of r are "
-        f"fitted a mean diameter away from both rings.{none}"
+        f"fitted a mean diameter away from both rings. v_0 and s belong to v_0 exp(-(r - R_i)/s), fitted up to "
+        f"{1e3 * scene.compare.band:g} mm from the ring; their errors are those of the fit times the square root of "
+        f"chi^2/dof, which make up for errors that are too small and not for another shape.{none}"
+        f"{_misfits(comparison)}"
     )
+
+
+def _misfits(comparison: Comparison) -> str:
+    """Say of which codes the fit does not describe the velocities."""
+    found = {e: b.misfit for e, of in comparison.result.bands.items() for b in of.values() if b.misfit}
+    return "".join(f" {e}: {why}." for e, why in found.items())
 
 
 def _profile_note(comparison: Comparison) -> str:
@@ -78,8 +143,10 @@ def _profile_note(comparison: Comparison) -> str:
         f"Means over {runs[0].frames} frames in {len(runs[0].r)} concentric rings, discs cut by borders by their "
         f"area; bands are one standard error {error}. Ratios, deviators and angles are formed from averages. "
         "Runs of one packing are the same numbers until chaos parts them, and independent afterwards; what is judged "
-        f"counts them as independent. In a whole comparison of equal codes a profile is falsely said to differ with a "
-        f"probability of {FALSE_ALARM:g} at most.{missing}"
+        f"counts them as independent. In a whole comparison of equal codes a profile is falsely said to differ in a "
+        f"cell with a probability of {FALSE_ALARM:g} at most. Profiles agree where no cell differs and a difference of "
+        f"{100 * comparison.scene.compare.margin:g} % of the profile's size would have been seen in {MOST:.0%} of the "
+        f"cells, in each with a probability of {POWER:g}, and no cell is further apart than that.{missing}"
     )
 
 

@@ -132,7 +132,7 @@ def _told(change: Change) -> str:
     if change.relative is None:
         return f"{change.quantity}: none"
     bars = f", {abs(change.in_bars):.2g} error bars" if change.in_bars is not None else ""
-    return f"{change.quantity} {100.0 * change.relative:+.2g} %{bars}"
+    return f"{change.quantity} {100.0 * change.relative:+.3g} %{bars}"
 
 
 def _size(change: Change) -> float:

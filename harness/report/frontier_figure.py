@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from harness.report.figures import new_figure
+from harness.studies.frontier.study import TOLERANCE
 
 if TYPE_CHECKING:
     from harness.studies.frontier.study import Frontier, Frontiers
@@ -15,9 +16,12 @@ COLOURS = {"lammps": "#1b6ca8", "liggghts": "#c8553d", "kernel:lammps": "#3fa34d
 MARKERS = {"lammps": "o", "liggghts": "s", "kernel:lammps": "^", "kernel:talk": "D"}
 OTHER = ("#666666", "v")
 
+WIDE = 8
+"""Ratio of the ends of an axis from which it is logarithmic."""
+
 CAPTION = (
     "Largest stable step in units of sqrt(m/k), m the lightest mass, k the largest slope of a normal force. First "
-    "panel: measured against the exact limit of the packing's stiffness and damping matrices, all laws and packings; "
+    "panel: how far it is from the exact limit of the packing's stiffness and damping matrices, all laws and packings; "
     "band: 5 per cent. Others: the random packing, one property varied; points measured, line exact, dashed: the "
     "formula beyond which scenes are refused."
 )
@@ -39,14 +43,18 @@ def frontier_figure(done: Frontiers):
 
 
 def _against(axes, found: tuple[Frontier, ...]) -> None:
+    """Deviation from theory, in per cent, against the exact limit."""
     compared = [f for f in found if f.exact and f.measured]
     ends = np.array([0.8 * min(f.exact / f.unit for f in compared), 1.25 * max(f.exact / f.unit for f in compared)])
-    axes.fill_between(ends, 0.95 * ends, 1.05 * ends, color="#999999", alpha=0.3, lw=0)
-    axes.plot(ends, ends, color="#444444", lw=0.8)
+    axes.fill_between(ends, -100 * TOLERANCE, 100 * TOLERANCE, color="#999999", alpha=0.25, lw=0)
+    axes.axhline(0.0, color="#444444", lw=0.8)
     for engine in dict.fromkeys(f.engine for f in compared):
-        points = np.array([(f.exact / f.unit, f.measured / f.unit) for f in compared if f.engine == engine])
-        _points(axes, engine, *points.T)
-    axes.set(xscale="log", yscale="log", xlabel="exact limit", ylabel="measured", xlim=ends, ylim=ends)
+        points = np.array([(f.exact / f.unit, 100 * f.deviation) for f in compared if f.engine == engine and f.linear])
+        if len(points):
+            _points(axes, engine, *points.T)
+    worst = max([100 * abs(f.deviation) for f in compared if f.linear], default=0.0)
+    limit = max(600 * TOLERANCE / 5, 1.1 * worst)
+    axes.set(xscale="log", xlabel="exact limit", ylabel="measured - exact (%)", xlim=ends, ylim=(-limit, limit))
     _dress(axes)
 
 
@@ -60,7 +68,8 @@ def _along(axes, name: str, found: list[Frontier]) -> None:
         value, exact, formula = np.array(line).T
         axes.plot(value, exact, color="#444444", lw=0.9, label="exact")
         axes.plot(value, formula, color="#444444", lw=0.9, ls="--", label="formula of scenes")
-    axes.set(xscale="log", xlabel=name, ylabel="largest step")
+    values = [f.value for f in found]
+    axes.set(xscale="log" if max(values) > WIDE * min(values) else "linear", xlabel=name, ylabel="largest step")
     if max(f.exact or 0.0 for f in found) > 10 * min(f.exact for f in found if f.exact):
         axes.set_yscale("log")
     else:

@@ -63,7 +63,7 @@ def replicate_page_rows(judged: Sequence[Judged]) -> list[dict]:
 
 
 def _settling(j: Judged) -> str | None:
-    return replicates_in_words(j.settle) if j.settle else None
+    return replicates_in_words(j).rstrip(",") if j.settle else None
 
 
 def _note(judged: Sequence[Judged]) -> str:

@@ -110,15 +110,15 @@ def write_reproduce(study: Study, ask: Ask, result: Result) -> Path:
     return folder / PAGE
 
 
-def write_tables(folder: Path, result: Result) -> None:
-    """Write rows, convergence and the numbers of every chart as CSV."""
+def write_tables(folder: Path, result: Result, *, digits: int = 17) -> None:
+    """Write rows, convergence and the numbers of every chart as CSV, those of charts with so many digits."""
     from harness.runs.atomic import write_text_atomic
 
     write_text_atomic(folder / ROWS, csv_text(value_rows(result.rows)))
     write_text_atomic(folder / RATES, csv_text(rate_rows(result.rates)))
     for picture in result.pictures:
         if _is_chart(picture):
-            write_text_atomic(folder / f"{picture.name}.csv", chart_csv(picture))
+            write_text_atomic(folder / f"{picture.name}.csv", chart_csv(picture, digits=digits))
 
 
 def summary(result: Result) -> str:

@@ -12,9 +12,14 @@ if TYPE_CHECKING:
     from harness.studies.reproduce.protocol import Chart, DiscPicture, Line, Panel, Picture
 
 LOOKS = {
-    "line": {"lw": 1.3}, "points": {"ls": "none", "marker": "o", "ms": 4.5}, "fit": {"lw": 1.0, "ls": "--"},
-    "talk": {"ls": "none", "marker": "*", "ms": 10, "color": "#222222"}, "steps": {"lw": 1.2, "drawstyle": "steps-mid"},
+    "line": {"lw": 1.3}, "fit": {"lw": 1.0, "ls": "--"},
+    "points": {"ls": "none", "marker": "o", "ms": 5.5, "mfc": "none"},
+    "talk": {"ls": "none", "marker": "*", "ms": 10, "color": "#222222"},
+    "steps": {"lw": 1.2, "drawstyle": "steps-mid"},
 }
+MARKERS = "os^DvP<>"
+"""Of one series of points after the other, open, so that points that coincide are seen."""
+
 WIDTH, HEIGHT = 5.6, 4.0
 """Inches of a chart."""
 
@@ -32,8 +37,9 @@ def draw(picture: Picture):
 def _chart(chart: Chart):
     figure, ((axes,),) = figures.new_figure(1, 1, width=WIDTH, height=HEIGHT)
     colours = _colours(chart)
-    for k, line in enumerate(chart.lines):
-        _draw_line(axes, line, colours[k])
+    marks = iter(MARKERS * len(chart.lines))
+    for line, colour in zip(chart.lines, colours, strict=True):
+        _draw_line(axes, line, colour, marker=next(marks) if line.look == "points" else "*")
     axes.set_xlabel(chart.x)
     axes.set_ylabel(chart.y)
     if chart.log_x:
@@ -61,8 +67,10 @@ def _colours(chart: Chart) -> list[str]:
     return found
 
 
-def _draw_line(axes, line: Line, colour: str) -> None:
+def _draw_line(axes, line: Line, colour: str, *, marker: str) -> None:
     style = {"color": colour, **LOOKS[line.look], "label": line.name or None}
+    if style.get("marker"):
+        style["marker"] = marker
     if line.error is None or not np.isfinite(line.error).any():
         axes.plot(line.x, line.y, **style)
     elif line.look in ("points", "talk"):

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from harness.studies.reproduce.protocol import Ask, Result, Study
 
 RESULT = "result.json"
+DIGITS = 5
+"""Of the numbers of charts that are kept: more than anybody reads off."""
 
 
 def check_keep_place(folder: Path | None) -> None:
@@ -31,7 +33,7 @@ def keep(study: Study, ask: Ask, result: Result, place: Path) -> Path:
 
     folder = place / study.name
     folder.mkdir(parents=True, exist_ok=True)
-    write_tables(folder, result)
+    write_tables(folder, result, digits=DIGITS)
     for picture in result.pictures:
         write_bytes_atomic(folder / f"{picture.name}.png", png_bytes(draw(picture), dpi=SMALL))
     write_json_atomic(folder / RESULT, kept_data(study, ask, result))

@@ -75,10 +75,14 @@ def run_rows(runs: Sequence[StudyRun]) -> list[dict]:
     ]
 
 
-def chart_csv(chart: Chart) -> str:
+def chart_csv(chart: Chart, *, digits: int = 17) -> str:
     """Return the numbers of a chart: one row a point, with the line it belongs to."""
+    def short(value: float) -> float:
+        return float(f"{value:.{digits}g}")
+
     return csv_text([
-        {"line": line.name, "engine": line.engine or None, chart.x: float(x), chart.y: float(y), "error": e}
+        {"line": line.name, "engine": line.engine or None, chart.x: short(x), chart.y: short(y),
+         "error": None if e is None else short(e)}
         for line in chart.lines
         for x, y, e in zip(line.x, line.y, _errors(line), strict=True)
     ])

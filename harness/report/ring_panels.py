@@ -29,7 +29,7 @@ MOTION: Shown = {
     "spin": ("spin ω (rad/s)", "Mean spin of the discs, counter-clockwise positive."),
     "eigen_rotation": ("ω* = ω - W (rad/s)", "Eigen-rotation: spin beyond that of the mean flow."),
     "D_rphi": ("D_rφ (1/s)", "Rate of shear, from the slope of velocities within each ring."),
-    "v_r": ("v_r (m/s)", "Radial velocity: nothing in a steady state."),
+    "v_r": ("v_r (m/s)", "Radial velocity: nothing where the state is steady."),
 }
 STRESS: Shown = {
     "stress_antisymmetric": ("(σ_rφ - σ_φr)/2 (N/m)", "Antisymmetric stress: nothing while spins are steady."),

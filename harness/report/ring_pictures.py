@@ -20,7 +20,7 @@ MARGIN = 1.02
 
 
 def chain_figure(comparison: Comparison) -> Figure | None:
-    """Force chains at the start of the steady time and at the end, one row an engine; None without contacts."""
+    """Force chains at the start of the averages and at the end, one row an engine; None without contacts."""
     runs = _first_runs(comparison)
     if not runs or not comparison.starts[0].system.contacts:
         return None

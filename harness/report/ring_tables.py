@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from harness.report.replicates import replicate_rows
 from harness.scene.ring import area_fractions
 from harness.studies.compare.profile_quantities import QUANTITIES
 from harness.studies.compare.ring_numbers import Number, ring_numbers
@@ -18,12 +19,12 @@ if TYPE_CHECKING:
     from harness.studies.compare.study import Comparison
 
 
-TABLES = ("numbers", "published", "profiles", "balances", "torque", "growth")
+TABLES = ("numbers", "between_codes", "published", "profiles", "balances", "torque", "growth")
 
 
 def tables(comparison: Comparison) -> dict[str, list[dict]]:
     """Rows by table name."""
-    rows = (number_rows, published_rows, profile_rows, balance_rows, torque_rows, growth_rows)
+    rows = (number_rows, between_rows, published_rows, profile_rows, balance_rows, torque_rows, growth_rows)
     return {name: make(comparison) for name, make in zip(TABLES, rows, strict=True)}
 
 
@@ -39,6 +40,11 @@ def number_rows(comparison: Comparison) -> list[dict]:
          "standard error": None if n.error is None else _known(n.error)}
         for e, k, numbers in _numbers(comparison) for name, n in numbers.items()
     ]
+
+
+def between_rows(comparison: Comparison) -> list[dict]:
+    """One row a number, or a profile's mean over cells, and pair of codes."""
+    return replicate_rows(comparison.result.judged)
 
 
 def _numbers(comparison: Comparison) -> Iterator[tuple[str, int, dict[str, Number]]]:

@@ -98,10 +98,10 @@ def step_warnings(scene: Scene, derived: Derived, table: Table | None = None) ->
     for family, step in late_springs(scene.contact):
         if dt > step:
             yield f"{family} spring without enough dashpot for kernel:talk", (
-                f"dt = {dt:.3g} s is larger than gamma/k = {step:.3g} s of contact.{family}: the talks' algorithm feels "
-                f"this spring one step late, and motions of contacts that stick grow slowly at any larger step "
-                f"(measured {table.date}); no matter of the other engines; more {FAMILY_DAMPING[family]} or a smaller "
-                f"step mends it"
+                f"dt = {dt:.3g} s is larger than gamma/k = {step:.3g} s of contact.{family}: the talks' algorithm "
+                f"feels this spring one step late, and small motions of contacts that stick grow slowly at any larger "
+                f"step unless other dashpots hold them (measured {table.date}: {table.command}); no matter of the "
+                f"other engines; more {FAMILY_DAMPING[family]} or a smaller step mends it"
             )
 
 

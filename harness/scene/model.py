@@ -298,17 +298,25 @@ class TimeWindow(Table):
         return f"torque on the inner ring up to {self.time:g} s"
 
 
+RING_MARGIN = 0.25
+"""Of a profile's size or a number: how small a difference a comparison of rings must be able to see. A quarter is less
+than the talk leaves open in the width of the band (1 to 2 diameters, a third either way), and what 0.5 % of area
+fraction do to it (the published rings B and C, as recalled): with less than that two codes may not be called equal."""
+
+
 class RingCompare(Table):
     """What `grainproof compare` judges on a ring; never part of a run's hash.
 
     Profiles are averages over the frames from `steady_from` (s) on, in `cells` concentric rings; `band` is the distance
     from the inner ring (m) up to which the velocity is fitted by v_0 exp(-(r - R_i)/s). `packings` and `replicates` as
-    in `Compare`.
+    in `Compare`. Codes agree in a profile in which no difference is seen where one of `margin` of its size would have
+    been, and in a number whose difference is shown to be smaller than `margin` of it.
     """
 
     steady_from: NonNegative
     band: Positive
     cells: Annotated[int, Meta(ge=2, le=1000)] = 20
+    margin: Annotated[float, Meta(gt=0, le=1)] = RING_MARGIN
     packings: Annotated[int, Meta(ge=1, le=MOST_PACKINGS)] = 1
     replicates: Annotated[int, Meta(ge=2, le=MOST_PACKINGS)] | None = None
     windows: tuple[TimeWindow, ...] = ()

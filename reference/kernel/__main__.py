@@ -13,9 +13,9 @@ from pathlib import Path
 
 from reference.kernel.checkpoint import CHECKPOINT, EVERY, OWNER, read_checkpoint, write_checkpoint
 from reference.kernel.deck import Plan, read_deck
+from reference.kernel.guards import KernelUnstable, refuse_late_springs
 from reference.kernel.output import SERIES, FramesWriter, SeriesWriter
 from reference.kernel.program.simulation import ProgramSimulation, fastest
-from reference.kernel.simulation import KernelUnstable
 
 UNSTABLE = 3
 
@@ -49,7 +49,8 @@ class _Run:
         self._frames = FramesWriter(folder, self._model, part=part)
 
     def start(self) -> None:
-        """Set up; go on from the checkpoint if there is one."""
+        """Set up; go on from the checkpoint if there is one. Raises KernelUnstable for what cannot go well."""
+        refuse_late_springs(self._model, self._plan.steps)
         self._simulation = fastest(self._model)
         if self._found is not None:
             state, outputs = self._found

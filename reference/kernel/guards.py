@@ -1,4 +1,4 @@
-"""When a run is stopped: bodies that contact laws for small overlaps cannot describe any more.
+"""When a run is stopped, or not begun: what contact laws for small overlaps, or a scheme, cannot describe any more.
 
 A centre inside another body. Laws push apart along the line of centres; behind the other centre that line points the
 other way, so that bodies which got so far leave on the far side, with all energy and momentum kept: nothing but this
@@ -13,6 +13,11 @@ is shortest at s* = -r(0).(r(1) - r(0))/|r(1) - r(0)|^2. With 0 < s* < 1 and |r(
 way: unseen, if they do so at neither end, and through each other, if r(0).r(1) < 0. Bodies that leap through empty
 space are left alone. At t_c/50 a head-on pair that fast would overlap by sixteen radii: no run that means anything is
 stopped.
+
+A spring that is felt late. The talks' algorithm feels tangential springs one step late (`laws.slider`): a swing of
+frequency W grows by exp(W^2 (dt - gamma/k) t/2) while the contact sticks; W^2 = k (1/m + R^2/I) for one body that
+slides at a wall, k R^2/I if it rolls or twists. A run in which the lightest body could gain more than MOST_GROWTH is
+not begun.
 """
 
 from __future__ import annotations
@@ -25,6 +30,9 @@ from reference.kernel.vectors import dot, norm
 
 LONGEST_WAY = 0.5
 """Of the smallest radius: the longest way between two looks at the contacts, and in one step."""
+
+MOST_GROWTH = 1.0
+"""Exponent of what a late spring may make of a swing within a run."""
 
 
 class KernelUnstable(Exception):
@@ -84,3 +92,27 @@ def refuse_centres_inside(
             "for the speed or the load"
         )
     return float(found[k])
+
+
+def refuse_late_springs(model: Model, steps: int) -> None:
+    """Raise KernelUnstable if springs that are felt a step late could make energy within so many steps."""
+    for family in ("sliding", "rolling", "torsion"):
+        growth = _late_growth(model, family, steps)
+        if growth > MOST_GROWTH:
+            raise KernelUnstable(
+                f"step 0: the talks' algorithm feels the {family} spring one step late, and dt = {model.dt:.3g} s is "
+                f"larger than its gamma/k: in {steps} steps a contact that sticks could swing up by exp({growth:.3g}); "
+                "take more of its damping, a smaller step, or the kernel in another convention"
+            )
+
+
+def _late_growth(model: Model, family: str, steps: int) -> float:
+    """Return W^2 (dt - gamma/k) t/2 of the lightest body; 0 of what is not felt late, or has no spring of its own."""
+    law = getattr(model, family)
+    prefix = "shear" if family == "sliding" else family
+    stiffness = getattr(law, f"{prefix}_stiffness", None)
+    if getattr(law, "algorithm", None) != "talk" or not isinstance(stiffness, float):
+        return 0.0
+    moved = 1.0 / model.mass if family == "sliding" else 0.0
+    square = stiffness * float((moved + model.radius**2 / model.inertia).max())
+    return 0.5 * square * (model.dt - getattr(law, f"{prefix}_damping") / stiffness) * model.dt * steps

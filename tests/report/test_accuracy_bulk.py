@@ -86,7 +86,9 @@ def test_the_budget_names_the_cheapest_of_each_knob(made):
     assert rows[0.1, "rate"]["setting"] == "4"
     assert rows[0.01, "rate"]["cheapest"] is None
     assert rows[0.01, "rate"]["gives up"].startswith("the finest rungs are off by 2")
-    assert rows[0.001, "dt"]["gives up"] == "nothing that stands out of the noise"
+    assert rows[0.01, "dt"]["gives up"] == "nothing that stands out of the noise"
+    floored = "nothing that stands out of the noise; the mean over packings itself is known to 0.98 % only: 7"
+    assert rows[0.001, "dt"]["gives up"].startswith(floored)
     every = [r for r in rows_of(made, "budget") if r["of"] == "liggghts" and r["knob"] == "stiffness"]
     assert [r["cheapest"] for r in every] == ["liggghts", "liggghts", None]
 

@@ -328,11 +328,11 @@ LARGEST_STEP = re.compile(r": numerics\.dt_fraction: expected at most ([-+.\de]+
 
 def mended(data, error):
     """Take the largest time step that a refusal names, or the fewest outputs; say whether anything was changed."""
-    step, numerics, outputs = LARGEST_STEP.search(str(error)), data["numerics"], data["outputs"]
+    step, numerics, outputs = LARGEST_STEP.search(str(error)), data.get("numerics"), data.get("outputs")
     if step:
         before, numerics["dt_fraction"] = numerics["dt_fraction"], 0.99 * float(step[1])
         return numerics["dt_fraction"] < before
-    if ": outputs: " in str(error) and outputs.get("samples") != 1:
+    if ": outputs: expected samples and frames" in str(error) and outputs["samples"] != 1:
         outputs |= {"samples": 1, "frames": 1}
         return True
     return False

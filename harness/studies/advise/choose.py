@@ -88,11 +88,22 @@ def choices(evidence: Evidence, tolerance: float, *, farther: bool) -> Iterator[
 
 def parts_of(evidence: Evidence, engine: str, rungs: Mapping[str, Rung]) -> list[Part]:
     """Return what each knob brings, its time over that of its own ladder's reference."""
-    return [
-        Part(name=knob, error=rung.error, bar=rung.bar,
-             ratio=rung.seconds / evidence.ladders[engine][knob].reference.seconds)
-        for knob, rung in rungs.items()
-    ]
+    made = []
+    for knob, rung in rungs.items():
+        ladder = evidence.ladders[engine][knob]
+        counted = counted_rung(ladder, rung)
+        ratio = rung.seconds / ladder.reference.seconds
+        made.append(Part(name=knob, error=counted.error, bar=counted.bar, ratio=ratio))
+    return made
+
+
+def counted_rung(ladder: KnobLadder, rung: Rung) -> Rung:
+    """Return the rung whose error counts: the rung itself, or a finer one whose seen error is larger.
+
+    A coarse rung may be right by chance, where its error changes sign; that finer ones are worse says so.
+    """
+    finer = (r for r in ladder.rungs if r.x < rung.x and r.seen)
+    return max((rung, *finer), key=lambda r: abs(r.error))
 
 
 def _choice(

@@ -212,16 +212,21 @@ def _spread(row: Mapping) -> float | None:
 
 
 def _free(scene: Free, file: Path, data: Mapping, quantity: str) -> Evidence:
-    """Errors are rms over phases of the step, against the limit of the engine's own laws; there is no scatter."""
+    """Errors are rms over phases of the step, against the limit of the engine's own laws; there is no scatter.
+
+    Standard errors are that of the oracle and that of the rms, as so many phases tell it: s(e^2)/(2 rms sqrt(K)).
+    """
     points = [r for r in data["tables"]["points"] if r["case"] == data["tables"]["points"][0]["case"]]
     orders = {(r["engine"], r["quantity"]): r["slope"] for r in data["tables"]["slopes"]
               if r["case"] == points[0]["case"]}
-    bars = {r["engine"]: r["its error"] or 0.0 for r in data["tables"]["oracles"] if r["case"] == points[0]["case"]}
+    bars = _free_bars(data, points[0]["case"], quantity)
     ladders = {}
     for engine in dict.fromkeys(r["engine"] for r in points):
         mine = [r for r in points if r["engine"] == engine]
         good = [r for r in mine if r.get(quantity) is not None and r["CPU (ms)"] is not None]
-        rungs = tuple(_free_rung(r, quantity, bars[engine], scene.numerics.dt_fraction) for r in good)
+        rungs = tuple(
+            _free_rung(r, quantity, bars[engine, r["dt_fraction"]], scene.numerics.dt_fraction) for r in good
+        )
         order = orders.get((engine, quantity))
         if rungs:
             ladders[engine] = {"dt": KnobLadder(
@@ -233,6 +238,25 @@ def _free(scene: Free, file: Path, data: Mapping, quantity: str) -> Evidence:
         scene=scene, scene_file=file, quantity=quantity, unit="1", packings=data["phases"], ladders=ladders,
         spread=dict.fromkeys(ladders), source="", absent=_absent(scene, [data["knob"]]),
     )
+
+
+def _free_bars(data: Mapping, case: str, quantity: str) -> dict[tuple[str, float], float]:
+    """Return standard errors by engine and dt_fraction."""
+    oracle = {r["engine"]: r["its error"] or 0.0 for r in data["tables"]["oracles"] if r["case"] == case}
+    rows = [r for r in data["errors"] if r["case"] == case and quantity in r]
+    return {(r["engine"], r["dt_fraction"]): math.hypot(oracle[r["engine"]], _of_rms(r[quantity])) for r in rows}
+
+
+def _of_rms(errors: Sequence[float]) -> float:
+    """Return the standard error of sqrt(mean(e^2)), infinite of a single one."""
+    squares = [e * e for e in errors]
+    count, mean = len(squares), sum(squares) / len(squares)
+    if count < 2:
+        return math.inf
+    if mean == 0.0:
+        return 0.0
+    variance = sum((s - mean) ** 2 for s in squares) / (count - 1)
+    return math.sqrt(variance / count) / (2.0 * math.sqrt(mean))
 
 
 def _free_rung(row: Mapping, quantity: str, bar: float, own: float) -> Rung:

@@ -14,17 +14,23 @@ from harness.studies.compare.growth import Growth, difference_growth
 from harness.studies.compare.pairs import Pair, pairs_of
 from harness.studies.compare.pointwise import parting_checks, window_checks
 from harness.studies.compare.profile_checks import profile_checks
+from harness.studies.compare.profile_tests import tested_profiles
 from harness.studies.compare.profiles import RingProfiles, ring_profiles, steady_frames, subject_of
 from harness.studies.compare.ring_balances import RingBalances, ring_balances
 from harness.studies.compare.ring_checks import ring_checks
 from harness.studies.compare.ring_curves import RingCurves, ring_curves
+from harness.studies.compare.ring_family import judge_numbers
 from harness.studies.statistics.difference import FEWEST
+from harness.studies.statistics.family import Judged, family_checks
 from harness.studies.verdict import Check, Rerun
 
 
 @dataclass(frozen=True, kw_only=True)
 class CouetteResult:
-    """What the report draws: curves and growth of the first packing, all else by engine and packing."""
+    """What the report draws: curves and growth of the first packing, all else by engine and packing.
+
+    judged: numbers and offsets of profiles between codes.
+    """
 
     pairs: tuple[Pair, ...]
     curves: Mapping[str, RingCurves]
@@ -32,6 +38,7 @@ class CouetteResult:
     profiles: Mapping[str, Mapping[int, RingProfiles]]
     balances: Mapping[str, Mapping[int, RingBalances]]
     bands: Mapping[str, Mapping[int, Band]]
+    judged: tuple[Judged, ...] = ()
 
 
 def judge_couette(
@@ -51,7 +58,9 @@ def judge_couette(
         profiles[r.engine][r.packing] = ring_profiles(subjects, system)
         balances[r.engine][r.packing] = ring_balances(curves[r.engine][r.packing], subjects, system)
         bands[r.engine][r.packing] = band_of(profiles[r.engine][r.packing], scene, system)
-    averages = profile_checks(pairs, profiles, rerun)
+    margin, tested = scene.compare.margin, tested_profiles(pairs, profiles)
+    judged = judge_numbers(pairs, profiles, balances, bands, tested, margin)
+    averages = [*family_checks(judged, rerun), *profile_checks(pairs, profiles, rerun, margin, tested)]
     first_curves = {e: of[0] for e, of in curves.items() if 0 in of}
     checks = [
         *window_checks(pairs, scene.compare.windows, curves, rerun),
@@ -59,10 +68,11 @@ def judge_couette(
         *open_questions(parting_checks(pairs, curves, rerun), averages if len(starts) >= FEWEST else []),
         *averages,
         *band_checks(engines, bands, rerun),
-        *ring_checks(balances, rerun),
+        *ring_checks(balances, rerun, margin),
     ]
     first = {r.engine: r.trajectory for r in finished if r.packing == 0}
     return checks, CouetteResult(
         pairs=tuple(pairs), curves={e: curves[e][0] for e in first}, profiles=profiles, balances=balances, bands=bands,
+        judged=tuple(judged),
         growth={p.name: difference_growth(first[p.left], first[p.right]) for p in pairs if not p.missing(first)},
     )

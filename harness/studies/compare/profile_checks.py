@@ -1,24 +1,29 @@
 """Do two codes have the same profiles? Every profile of every pair, at one declared rate of false alarms (level L3).
 
-In a whole comparison of codes that agree, the probability that any profile is said to differ is at most `FALSE_ALARM`:
-each of its N tests (pairs x profiles x cells) is made at FALSE_ALARM/N (Bonferroni; O. J. Dunn, J. Am. Stat. Assoc. 56,
-52 (1961)), with Student's t, see `harness.studies.compare.significance`.
+In a whole comparison of codes that agree, the probability that any profile is said to differ in any cell is at most
+`FALSE_ALARM`: each of its N tests (pairs x profiles x cells) is made at FALSE_ALARM/N (Bonferroni; O. J. Dunn, J. Am.
+Stat. Assoc. 56, 52 (1961)), with Student's t, see `harness.studies.compare.significance`.
 
-A profile agrees only if a difference would have been seen: where in most cells not even one as large as the profile
-itself would, and where a run is too short for its error bars to be trusted, the check is inconclusive.
+    differs       in a cell or more, whose errors are to be trusted, a difference is seen
+    agrees        in none; of every profile of the group a difference of the declared margin (a part of the profile's
+                  size) would have been seen in at least MOST of the cells, in each with probability POWER; and in
+                  the others none as large was found
+    inconclusive  neither: it is said which margin could have been resolved, and how much more it would take
+
+What all cells have in common, and single cells do not show, is tested by itself (`ring_family`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
+from harness.scene.model import RING_MARGIN
 from harness.studies.compare.pairs import Pair
-from harness.studies.compare.profile_quantities import QUANTITIES, Quantity
-from harness.studies.compare.profiles import Profile, RingProfiles
-from harness.studies.compare.significance import Difference, frames_needed, of_packings, of_times
+from harness.studies.compare.profile_quantities import QUANTITIES
+from harness.studies.compare.profile_tests import All, Both, Tested, tested_profiles
+from harness.studies.compare.significance import POWER, Difference
 from harness.studies.verdict import Check, Rerun, not_checked
 
 FALSE_ALARM = 0.01
@@ -27,38 +32,33 @@ FALSE_ALARM = 0.01
 FEWEST = 3
 """Packings below which their spread means nothing."""
 
+MOST = 0.75
+"""Part of the cells in which a difference of the margin must be seen. Not all: in the layers at the rough rings frames
+scatter several times as much as elsewhere, and of some profiles never settle."""
+
+FOREVER = 1e4
+"""Times as long, or packings, beyond which "more" is no advice."""
+
 GROUPS = tuple(dict.fromkeys(q.group for q in QUANTITIES))
 """What is judged together, in the order in which it is shown."""
 
 LISTED = 6
 """Cells that a verdict names; all are in profiles.csv."""
 
-All = Mapping[str, Mapping[int, RingProfiles]]
-"""Profiles by engine and packing."""
 
-
-@dataclass(frozen=True, kw_only=True)
-class Tested:
-    """One profile of one pair. size: of the profile, in its unit: what a difference is small or large against."""
-
-    quantity: Quantity
-    difference: Difference
-    size: float
-    depth: np.ndarray
-    longer: str
-
-
-def profile_checks(pairs: Sequence[Pair], profiles: All, rerun: Rerun) -> list[Check]:
-    """One check a pair and group of profiles."""
-    both = {p: p.both(profiles) for p in pairs}
-    first = [of[0] for of in profiles.values() if 0 in of]
-    tested = {p: list(_tested(b, first)) if b else [] for p, b in both.items()}
+def profile_checks(
+    pairs: Sequence[Pair], profiles: All, rerun: Rerun, margin: float = RING_MARGIN,
+    tested: Mapping[Pair, Sequence[Tested]] | None = None,
+) -> list[Check]:
+    """One check a pair and group of profiles. tested: what `tested_profiles` makes, if it is made already."""
+    tested = tested_profiles(pairs, profiles) if tested is None else tested
     number = sum(int(t.difference.used.sum()) for of in tested.values() for t in of)
     level = FALSE_ALARM / max(number, 1)
     found = []
     for pair in pairs:
         facts = {"level": "L3", "left": pair.left, "right": pair.right}
-        if not both[pair]:
+        both = pair.both(profiles)
+        if not both:
             why = pair.missing(profiles) or "no packing that both completed"
             found.append(not_checked(**facts, quantity="profiles", why=why))
             continue
@@ -66,73 +66,48 @@ def profile_checks(pairs: Sequence[Pair], profiles: All, rerun: Rerun) -> list[C
             mine = [t for t in tested[pair] if t.quantity.group == group]
             named = {**facts, "quantity": f"profile: {group}"}
             if mine:
-                found.append(_judged(mine, level, named, rerun(pair.left, pair.right)))
+                found.append(_judged(mine, level, margin, named, rerun(pair.left, pair.right)))
             else:
-                found.append(not_checked(**named, why=_absent(group, both[pair])))
+                found.append(not_checked(**named, why=_absent(group, both)))
     return found
 
 
-def _absent(group: str, both: Mapping[int, tuple[RingProfiles, RingProfiles]]) -> str:
+def _absent(group: str, both: Both) -> str:
     """Say why one of the runs has no profile of a group."""
     names = [q.name for q in QUANTITIES if q.group == group]
     return next(run.absent[n] for ab in both.values() for run in ab for n in names if n in run.absent)
 
 
-def _tested(
-    both: Mapping[int, tuple[RingProfiles, RingProfiles]], everyone: Sequence[RingProfiles]
-) -> Iterator[Tested]:
-    """Yield every profile that both runs of all packings have. everyone: all runs of the first packing."""
-    pairs = list(both.values())
-    present = [q for q in QUANTITIES if all(q.name in run.profiles for ab in pairs for run in ab)]
-    for quantity in present:
-        profiles = [(a.profiles[quantity.name], b.profiles[quantity.name]) for a, b in pairs]
-        runs = [run for ab in pairs for run in ab]
-        pool = [r.profiles[quantity.name] for r in everyone if quantity.name in r.profiles] if len(pairs) == 1 else []
-        difference = of_times(*profiles[0], pool or profiles[0]) if len(pairs) == 1 else of_packings(profiles)
-        size = _size(quantity, runs)
-        yield Tested(
-            quantity=quantity, difference=difference.resolved(size), size=size,
-            depth=runs[0].r - runs[0].edges[0], longer=_longer(runs, pool, len(pairs)),
-        )
-
-
-def _size(quantity: Quantity, runs: Sequence[RingProfiles]) -> float:
-    """Root mean square over cells of the largest profile of the group, or of the one it is measured against."""
-    names = [quantity.against] if quantity.against else [q.name for q in QUANTITIES if q.group == quantity.group]
-    means = [r.profiles[n].mean for r in runs for n in names if n in r.profiles]
-    return max((float(np.sqrt(np.nanmean(m**2))) for m in means if np.isfinite(m).any()), default=0.0)
-
-
-def _longer(runs: Sequence[RingProfiles], pool: Sequence[Profile], packings: int) -> str:
-    """Say how much more it takes, "" if there is enough."""
-    if packings > 1:
-        return f"{packings} packings, their spread needs {FEWEST}" if packings < FEWEST else ""
-    needed = frames_needed(pool) * runs[0].spacing
-    return f"{needed:.3g} s to average over would do, there are {min(r.span for r in runs):.3g} s"
-
-
-def _judged(tested: Sequence[Tested], level: float, facts: dict, rerun: str) -> Check:
-    """Judge the profiles of a group by the cell that lies furthest out."""
+def _judged(tested: Sequence[Tested], level: float, margin: float, facts: dict, rerun: str) -> Check:
+    """Judge the profiles of a group; sizes are those of the cell that lies furthest out, over the profile's size."""
     kept = [t for t in tested if t.difference.used.any()]
     if not kept:
         return not_checked(**facts, why="no cell has a value in half of the frames")
     worst = max(kept, key=lambda t: np.nanmax(_excess(t, level)))
     cell = int(np.nanargmax(_excess(worst, level)))
+    d, limit = worst.difference, float(worst.difference.limit(level)[cell])
     facts = {
-        **facts, "deviation": _finite(worst.difference.sizes[cell]),
-        "tolerance": float(worst.difference.limit(level)[cell]),
+        **facts, "deviation": _part(abs(d.value[cell]), worst.size), "tolerance": margin,
+        "chance": _part(limit * d.error[cell], worst.size),
     }
-    where = f"{worst.quantity.name} at r - R_i = {1e3 * worst.depth[cell]:.3g} mm, in standard errors"
+    where = (
+        f"largest: {worst.quantity.name} at r - R_i = {1e3 * worst.depth[cell]:.3g} mm, {d.sizes[cell]:.3g} of "
+        f"{limit:.3g} standard errors"
+    )
     apart = [named for t in kept for named in _apart(t, level)]
     if apart:
         more = f" and {len(apart) - LISTED} more" if len(apart) > LISTED else ""
         cells = sum(int(t.difference.used.sum()) for t in kept)
-        why = f"in {len(apart)} of {cells} cells: {', '.join(apart[:LISTED])}{more}; largest: {where}; rerun: {rerun}"
+        why = f"in {len(apart)} of {cells} cells: {', '.join(apart[:LISTED])}{more}; {where}; rerun: {rerun}"
         return Check(**facts, verdict="differs", why=why)
-    doubt = _doubt(kept, level)
+    doubt = _doubt(kept, level, margin)
     if doubt:
-        return Check(**facts, verdict="inconclusive", why=f"{doubt}; largest so far: {where}")
-    return Check(**facts, verdict="agrees", why=f"{where}; {_seen(kept, level)}")
+        return Check(**facts, verdict="inconclusive", why=f"{doubt}; {where}")
+    return Check(**facts, verdict="agrees", why=f"no difference seen in any cell; {_seen(kept, level)}; {where}")
+
+
+def _part(value: float, size: float) -> float | None:
+    return float(value) / size if size > 0 and np.isfinite(value) else None
 
 
 def _excess(t: Tested, level: float) -> np.ndarray:
@@ -148,42 +123,88 @@ def _apart(t: Tested, level: float) -> list[str]:
     return [f"{t.quantity.name} {1e3 * depth:.3g} mm" for depth in t.depth[beyond]]
 
 
-def _doubt(tested: Sequence[Tested], level: float) -> str:
+# --- what would have been seen -------------------------------------------------------------------
+
+
+def _doubt(tested: Sequence[Tested], level: float, margin: float) -> str:
     """Say why agreement would mean nothing, "" if it does."""
     short = [t for t in tested if (t.difference.short & t.difference.used).any()]
     if short:
-        most = max(short, key=lambda t: _seconds(t.longer))
-        return f"too few autocorrelation times in {', '.join(t.quantity.name for t in short)}: {most.longer}"
-    few = next((t.longer for t in tested if "packings" in t.longer), "")
-    if few:
-        return few
-    blind = [t for t in tested if _blind(t, level) > 0.5]
-    if len(blind) == len(tested):
-        part = ", ".join(t.quantity.name for t in blind)
-        return f"a difference as large as {part} itself would not be seen in most cells"
-    return ""
+        most = max(short, key=lambda t: t.needed)
+        return (
+            f"too few autocorrelation times in {', '.join(t.quantity.name for t in short)}: {most.needed:.3g} s to "
+            f"average over would do, there are {most.span:.3g} s"
+        )
+    packings = tested[0].packings
+    if 1 < packings < FEWEST:
+        return f"{packings} packings, their spread needs {FEWEST}"
+    blind = [t for t in tested if not resolved(t.difference, t.size, level) <= margin]
+    if blind:
+        return (
+            f"blind to the margin of {_percent(margin)}: {_seen(blind, level)}; the margin takes "
+            f"{_more(blind, level, margin)}"
+        )
+    large = [named for t in tested for named in _larger(t, margin)]
+    return f"larger than the margin of {_percent(margin)}, where it is not seen: {', '.join(large)}" if large else ""
 
 
-def _seconds(longer: str) -> float:
-    return float(longer.split(" ")[0]) if longer else 0.0
+def _larger(t: Tested, margin: float) -> list[str]:
+    """Name the cells that are further apart than the margin, by how much."""
+    d = t.difference
+    beyond = np.flatnonzero(d.used & (np.abs(d.value) > margin * t.size))
+    return [
+        f"{t.quantity.name} {1e3 * t.depth[k]:.3g} mm {_percent(abs(d.value[k]) / t.size)}" for k in beyond
+    ]
 
 
-def _blind(t: Tested, level: float) -> float:
-    """Part of the cells in which a difference of the profile's own size would not be seen."""
-    half = (t.difference.limit(level) * t.difference.error)[t.difference.used]
-    return float(np.mean(half > t.size)) if half.size else 1.0
+def _percent(part: float) -> str:
+    percent = 100.0 * part
+    return f"{percent:.0f} %" if percent >= 10.0 else f"{percent:.2g} %"
+
+
+def resolved(difference: Difference, size: float, level: float) -> float:
+    """Return the smallest part of the size that would be seen in MOST of the cells, each with probability POWER."""
+    from_ = difference.seen_from(level)[difference.used]
+    if not from_.size or not size > 0:
+        return 0.0 if not from_.any() else np.inf
+    return float(np.quantile(from_, MOST, method="inverted_cdf")) / size
 
 
 def _seen(tested: Sequence[Tested], level: float) -> str:
-    """Say how small a difference would have been seen, in the middle of all cells."""
-    parts = []
-    for t in tested:
-        half = (t.difference.limit(level) * t.difference.error)[t.difference.used]
-        if half.size and t.size:
-            parts.append(f"{100 * float(np.median(half)) / t.size:.2g} % of {t.quantity.name}")
-    return f"differences would be seen from {', '.join(parts)} on" if parts else "constant"
+    """Say how small a difference would have been seen in MOST of the cells."""
+    parts = ", ".join(f"{_percent(resolved(t.difference, t.size, level))} of {t.quantity.name}" for t in tested)
+    return f"in {MOST:.0%} of the cells would be seen {parts} (probability {POWER:g})"
 
 
-def _finite(size: float) -> float | None:
-    """None of a difference without any scatter, which has no size in standard errors."""
-    return float(size) if np.isfinite(size) else None
+def _more(tested: Sequence[Tested], level: float, margin: float) -> str:
+    """Say how long or over how many packings to average for the margin to be resolved in all of these profiles."""
+    packings, span = tested[0].packings, max(t.span for t in tested)
+
+    def most(change: Callable[[Difference, float], Difference], low: float) -> float:
+        return max(_least(lambda x, t=t: resolved(change(t.difference, x), t.size, level) <= margin, low)
+                   for t in tested)
+
+    number = most(lambda d, n: d.over_packings(n, packings), max(FEWEST, packings))
+    over = f"about {_about(np.ceil(number))} packings" if number < FOREVER else "more packings than anybody makes"
+    if packings > 1:
+        return over
+    times = most(Difference.longer, 1.0)
+    long = f"about {_about(times * span)} s to average over" if times < FOREVER else "longer than anybody runs"
+    return f"{long}, where there are {span:.3g} s, or {over} of this length"
+
+
+def _least(enough: Callable[[float], bool], low: float) -> float:
+    """Return the least number from `low` on that is enough, to 1 %; FOREVER if none below it is."""
+    high = FOREVER
+    if not enough(high):
+        return high
+    while high / low > 1.01:
+        middle = float(np.sqrt(low * high))
+        low, high = (low, middle) if enough(middle) else (middle, high)
+    return high
+
+
+def _about(number: float) -> str:
+    """Round up to two digits: errors of errors are known no better."""
+    step = 10.0 ** max(np.floor(np.log10(max(number, 1.0))) - 1.0, 0.0)
+    return f"{np.ceil(number / step) * step:.0f}"

@@ -29,7 +29,8 @@ class Quantity:
     """One profile: its name, the group that is judged together, its unit ("1": a pure number), and its formula.
 
     against: name of the profile whose size it is measured by; "" is the largest of its own group. A profile that
-    vanishes in theory has no size of its own.
+    vanishes in theory has no size of its own. centred: its size is that of what it varies by over r, as its mean is
+    set by the scene.
     """
 
     name: str
@@ -38,6 +39,7 @@ class Quantity:
     inputs: tuple[str, ...]
     formula: Callable[[Means], np.ndarray]
     against: str = ""
+    centred: bool = False
 
 
 SUMS: dict[str, Callable[[Subject], np.ndarray]] = {
@@ -81,7 +83,7 @@ MOTION = ("velocity_density", "volume_fraction")
 
 QUANTITIES = (
     Quantity(name="volume_fraction", group="volume fraction", unit="1", inputs=("volume_fraction",),
-             formula=lambda m: m["volume_fraction"]),
+             formula=lambda m: m["volume_fraction"], centred=True),
     Quantity(name="v_phi", group="velocity", unit="m/s", inputs=MOTION, formula=lambda m: _velocity(m)[:, 1]),
     Quantity(name="v_r", group="velocity", unit="m/s", inputs=MOTION, formula=lambda m: _velocity(m)[:, 0]),
     Quantity(name="spin", group="spin", unit="rad/s", inputs=("spin_density", "volume_fraction"), formula=_spin),

@@ -2,7 +2,7 @@
 
 Variants start from the same packings, so their changes are paired (`harness.studies.statistics.difference`)::
 
-    change = mean over packings of (variant - as declared)/scale, error of it s/sqrt(n)
+    change = mean over packings of (variant - as declared)/scale, error of it s/sqrt(n); scale: the mean as declared
     in bars = change/bar, bar = spread over packings of the scene as declared/scale (a standard deviation)
 
 From one packing a time average has the standard errors of both runs, in quadrature, and its own as the bar. A free
@@ -79,11 +79,12 @@ def change_of(m: Measured, variant: str, tolerance: float, failed: str = "") -> 
                       verdict="not_checked" if failed else "differs", why=failed or "the quantity is gone")
     a, b = (np.array([of[k] for k in both]) for of in (values, base))
     facts["value"] = float(a.mean())
-    scale = _scale(m, base)
+    signed = _scale(m, base)
+    scale = abs(signed)
     if not scale > 0.0:
         return Change(**facts, relative=None, error=None, bar=None, verdict="inconclusive", why="its size is 0")
     found, bar = _difference(m, a, b, variant, both), _bar(m, base, tolerance * scale)
-    numbers = {"relative": float(a.mean() - b.mean()) / scale, "bar": None if bar is None else bar / scale}
+    numbers = {"relative": float(a.mean() - b.mean()) / signed, "bar": None if bar is None else bar / scale}
     if found is None:
         return Change(**facts, **numbers, error=None, verdict="inconclusive", why="one packing has no error bar")
     gone = f"; gone in {len(base) - len(both)} of {len(base)} packings" if len(both) < len(base) else ""
@@ -107,7 +108,8 @@ def judged(difference: Difference, margin: float) -> tuple[Verdict, str, int | N
 
 
 def _scale(m: Measured, base: dict[int, float]) -> float:
-    return m.scale if m.scale is not None else abs(float(np.mean(list(base.values()))))
+    """Return what a change is measured by; of a negative quantity its mean, so that a smaller size is a fall."""
+    return m.scale if m.scale is not None else float(np.mean(list(base.values())))
 
 
 def _difference(

@@ -94,4 +94,4 @@ def _told(change: Change) -> str:
     if change.relative is None:
         return "no value"
     error = "" if not change.error else f" +- {100.0 * change.error:.2g}"
-    return f"{100.0 * change.relative:+.2g}{error} %"
+    return f"{100.0 * change.relative:+.3g}{error} %"

@@ -1,7 +1,7 @@
 """`cyclic`: the biaxial box under cycles of axial strain: density and stress against strain, and what accumulates.
 
-The top wall goes down by a strain and up again, z(t) = z_f + (z_0 - z_f)/2 (1 + cos(pi t/T)), the side wall carries p_x.
-Per cycle n = 1, 2, ..., from what the walls measure:
+The top wall goes down by a strain and up again, z(t) = z_f + (z_0 - z_f)/2 (1 + cos(pi t/T)), the side wall carries
+p_x. Per cycle n = 1, 2, ..., from what the walls measure:
 
     nu             area of the discs over that of the box, at the end of the cycle (the wall is back where it began)
     eps_V          1 - x z/(x_0 z_0) there: what has accumulated
@@ -175,17 +175,24 @@ def _pictures(made: Sequence[Made], case: str, cycles: int) -> tuple[Picture, ..
     if not first:
         return ()
     return (
-        _against_strain(first, "density", "area fraction", lambda r: r.states["nu"]),
-        _against_strain(first, "stress", "σ_zz (N/m)", lambda r: r.curves.stress_zz),
+        _against_strain(first, cycles, "density", "area fraction", lambda r: r.states["nu"]),
+        _against_strain(first, cycles, "stress", "σ_zz (N/m)", lambda r: r.curves.stress_zz),
         *(_over_cycles(made, case, cycles, name) for name in (NU, STRESS, WORK)), _parting(first),
     )
 
 
-def _against_strain(first: dict[str, BoxRun], name: str, label: str, value) -> Chart:
+def _against_strain(first: dict[str, BoxRun], cycles: int, name: str, label: str, value) -> Chart:
+    """The first engine, the first two cycles and the last."""
+    engine, run = next(iter(first.items()))
+    each, strain, y = (len(run.curves.time) - 1) // cycles, 100 * run.curves.strain, value(run)
+    shown_cycles = sorted({1, min(2, cycles), cycles})
     return Chart(
         name=name, x="axial strain (%)", y=label,
-        caption=f"{'Density' if name == 'density' else 'Axial stress'} through all cycles, first packing.",
-        lines=tuple(Line(name=e, engine=e, x=100 * r.curves.strain, y=value(r)) for e, r in first.items()),
+        caption=f"{'Density' if name == 'density' else 'Axial stress'} down and up again ({engine}, first packing).",
+        lines=tuple(
+            Line(name=f"cycle {n}", x=strain[(n - 1) * each : n * each + 1], y=y[(n - 1) * each : n * each + 1])
+            for n in shown_cycles
+        ),
     )
 
 
@@ -215,8 +222,8 @@ def _parting(first: dict[str, BoxRun]) -> Chart:
         lines.append(Line(name=e, engine=e, x=first[e].curves.time[1:], y=np.maximum(apart[1:], 1e-17)))
     return Chart(
         name="parting", x="time (s)", y=f"top-wall force: relative difference from {reference}", log_y=True,
-        lines=tuple(lines), caption="How far the codes follow each other, first packing: to round-off and differences of "
-        "convention at first; chaos ends it within the first cycle.",
+        lines=tuple(lines), caption="How far the codes follow each other, first packing: up to round-off or to "
+        "differences of convention at first, until chaos parts them.",
     )
 
 
@@ -232,9 +239,8 @@ def _words(made: Sequence[Made], case: str, cycles: int) -> tuple[str, ...]:
         f"Over all engines: after the first cycle the volume strain is {100 * first[0]:.2f} to {100 * first[1]:.2f} % "
         f"(compression > 0), after {cycles} cycles {100 * last[0]:.2f} to {100 * last[1]:.2f} %; in the last cycle the "
         f"area fraction still changes by {change[0]:+.1e} to {change[1]:+.1e}.",
-        "The talk shows such curves beside those of a hypoplastic model, without parameters; there is no number to hold "
-        "these against. The packing is dense, as it is prepared without friction, so that the first cycles loosen it; a "
-        "loose one would be compacted.",
+        "The talk shows such curves beside those of a hypoplastic model, without parameters; there is no number to "
+        "hold these against. The packing is dense, as it is prepared without friction.",
     )
 
 

@@ -321,8 +321,8 @@ def _words(made: Sequence[Made], case: str) -> tuple[str, ...]:
         return float(np.mean(found[name]))
 
     return (
-        f"At {100 * last:.2g} % strain, means over engines: {100 * mean(HALF):.0f} % of the box carry half of its shear. "
-        f"There discs have turned {mean(IN_BAND):.1f} times as far as outside, and cell by cell "
+        f"At {100 * last:.2g} % strain, means over engines: {100 * mean(HALF):.0f} % of the box carry half of its "
+        f"shear. There discs have turned {mean(IN_BAND):.1f} times as far as outside, and cell by cell "
         f"{mean(FOLLOWS):.2f} times as far as the continuum between them.",
         f"The antisymmetric stress of averages over whole discs is {mean(WHOLE):.1g} of the mean stress: it is the "
         "couple that accelerates them, and nothing at rest. Coarse-grained with a width of one diameter it is "

@@ -132,6 +132,17 @@ class Seen:
         law = self.system.normal
         return float(self._held(FIRST_LOADING.get(type(law)) or POTENTIALS[type(law)])[0])
 
+    @cached_property
+    def squared_forces(self) -> np.ndarray:
+        """Sum F^2/m over particles of the linear springs among them, (F,), N^2/kg; raises NotKnown if more acts."""
+        system = self.system
+        if not isinstance(system.normal, LinearNormal) or system.walls or system.rings or system.gravity:
+            raise NotKnown("other forces act than those of linear springs among particles")
+        stiffness = system.normal.normal_stiffness
+        forces = [_spring_forces(system, f, stiffness) for f in self.frames]
+        found = [((force**2).sum(axis=1) / f.mass).sum() for force, f in zip(forces, self.frames, strict=True)]
+        return np.array(found)
+
     def work(self) -> np.ndarray:
         """Work that driven walls have done by each frame, (F,), J: -sum of F.v dt by the trapezoidal rule."""
         driven = [w for w in self.system.walls if isinstance(w.motion, Constant | Cosine)]
@@ -236,6 +247,15 @@ def _among_particles(system: System, frame: Frame):
     i, j = np.triu_indices(len(frame.x), 1)
     apart = nearest_image(frame.x[j] - frame.x[i], system.periodic)
     return _contacts(np.sqrt((apart**2).sum(axis=1)), frame.radius[i], frame.radius[j])
+
+
+def _spring_forces(system: System, frame: Frame, stiffness: float) -> np.ndarray:
+    """Return k d n summed over the neighbours of every particle, (N, dim), N."""
+    apart = nearest_image(frame.x[:, None] - frame.x[None], system.periodic)
+    distance = np.sqrt((apart**2).sum(axis=2))
+    np.fill_diagonal(distance, np.inf)
+    overlap = np.maximum(frame.radius[:, None] + frame.radius[None] - distance, 0.0)
+    return (stiffness * (overlap / distance)[..., None] * apart).sum(axis=1)
 
 
 def _at_walls(frame: Frame):

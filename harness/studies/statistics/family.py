@@ -311,6 +311,8 @@ def family_checks(judged: Sequence[Judged], rerun: Rerun) -> list[Check]:
 
 
 def _why(j: Judged, tests: int, rerun: Rerun) -> str:
+    if j.tested.doubt:
+        return f"{_sides(j)}; nothing is concluded, as errors come out too small: {j.tested.doubt}"
     parts = [_sides(j), _apart(j, tests)]
     if j.verdict == "inconclusive":
         parts.append(_more(j))
@@ -320,13 +322,12 @@ def _why(j: Judged, tests: int, rerun: Rerun) -> str:
 
 
 def _sides(j: Judged) -> str:
-    """Say both sides with their errors, how they were compared, and why the errors may be wrong."""
+    """Say both sides with their errors, and how they were compared."""
     t, unit = j.tested, "" if j.tested.measured.unit == "1" else f" {j.tested.measured.unit}"
-    doubt = f"; {t.doubt}" if t.doubt else ""
     (a, da), (b, db) = t.left, t.right
     sides = f"{a:.4g} +- {da:.2g} and {b:.4g} +- {db:.2g}{unit}"
     how = DESIGNS[t.design].format(t.difference.count)
-    return f"{sides}, {how}: apart by {percent(j.relative)} +- {percent(j.error)}{doubt}"
+    return f"{sides}, {how}: apart by {percent(j.relative)} +- {percent(j.error)}"
 
 
 def _apart(j: Judged, tests: int) -> str:
@@ -340,20 +341,17 @@ def _apart(j: Judged, tests: int) -> str:
 
 def _more(j: Judged) -> str:
     """Say what could have been seen, and what it would take."""
-    if j.tested.doubt:
-        return "nothing is concluded from errors that are too small"
     would = f"{percent(j.resolvable)} would be seen with probability {POWER:g}"
     if j.settle is None:
         return f"{would}; no number of replicates is known to do"
-    return f"{would}; about {replicates_in_words(j.settle)} would settle it at half the level, as a second look"
+    return f"{would}; about {replicates_in_words(j)} would settle it at half the level, as a second look"
 
 
-def replicates_in_words(needed: Replicates) -> str:
-    """Write a number of replicates as no better known than it is: two digits, upwards, and its interval.
-
-    >>> replicates_in_words(Replicates(count=151, low=80, high=None))
-    '160 replicates (80 to more than 10000)'
-    """
+def replicates_in_words(j: Judged) -> str:
+    """Write a number of replicates as no better known than it is: two digits, upwards, and its interval."""
+    needed = j.settle
+    if j.tested.difference.count < FEWEST:
+        return f"{rounded_up(needed.count)} replicates or more, as packings scatter, too,"
     high = f"more than {MOST}" if needed.high is None else f"{rounded_up(needed.high)}"
     return f"{rounded_up(needed.count)} replicates ({rounded_up(needed.low or needed.count)} to {high})"
 

@@ -53,7 +53,7 @@ SAYS = {
     "dissipated or in springs": "E(0) + work - E(t) without what springs of friction, rolling and torsion hold",
     "momentum": "|sum m v|", "largest overlap": "over the smaller radius",
     "largest displacement per step": "max |v| dt over the particle's radius",
-    "lost particles": "", "numbers not finite": "in particles and walls",
+    "lost particles": "of the scene's", "numbers not finite": "in places, velocities and spins",
     "static residual": "largest net force on a particle over the mean contact force",
 }
 
@@ -81,7 +81,8 @@ class Watch:
         """Return a row a quantity: its largest size and when, its last value; what is not known has its reason."""
         rows = [self._row(name) for name in UNITS if name in self.curves or name in self.absent]
         if self.made is not None:
-            note = f"largest fall of the dissipated energy; the work is known to {self.work_error:.2g} J"
+            known = f"; the work of walls is known to {self.work_error:.2g} J" if self.work_error else ""
+            note = f"largest fall of the dissipated energy{known}"
             rows.append(_of("energy made", self.made, None, None, "J", note))
         return rows
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from reference.kernel.guards import KernelUnstable, refuse_centres_inside, refuse_leaps
+from reference.kernel.guards import KernelUnstable, refuse_centres_inside, refuse_late_springs, refuse_leaps
 from reference.kernel.program.simulation import ProgramSimulation
 
 RADIUS = np.ones(2)
@@ -80,3 +80,28 @@ def test_a_fast_body_in_empty_space_flies_on(dem, kernel):
     simulation = kernel(m)
     simulation.advance(20)
     assert simulation.state.x[0, 0] == pytest.approx(2000.0)
+
+
+# --- springs that are felt late ------------------------------------------------------------------------------
+
+
+def rubbing(dem, convention="talk", **law):
+    return dem.model([[0.0, 1.0]], walls=[dem.wall("floor", (0.0, 0.0), (0.0, 1.0), friction=True)], mu=0.5, kn=100.0,
+                     dt=0.01, convention=convention, **law)
+
+
+def test_a_late_spring_without_dashpot_is_refused_where_it_could_swing_up(dem):
+    """A disc of 1 kg: W^2 = k (1 + 2) in 2D, so exp(W^2 dt t/2) = e after 2/(W^2 dt^2) steps."""
+    m = rubbing(dem)
+    square = m.sliding.shear_stiffness * float((1 / m.mass + m.radius**2 / m.inertia).max())
+    most = 2.0 / (square * m.dt**2)
+    refuse_late_springs(m, int(0.99 * most))
+    with pytest.raises(KernelUnstable, match="step 0: the talks' algorithm feels the sliding spring one step late"):
+        refuse_late_springs(m, int(1.01 * most) + 1)
+
+
+@pytest.mark.parametrize("convention", ["lammps", "liggghts", "corrected"])
+def test_others_feel_their_springs_in_time(dem, convention):
+    from reference.kernel.conventions import NAMED
+
+    refuse_late_springs(rubbing(dem, convention=NAMED[convention]), 10**9)

@@ -180,3 +180,36 @@ def test_cpu_time_is_shared_out_by_the_engines_own_clock(timings, cpu, wall, par
     """Clocks of the processor, of the wall, of the wall with the output inside the run; and nothing but a run."""
     outcome = SimpleNamespace(timings=timings, cpu_seconds=cpu, wall_seconds=wall)
     assert cpu_parts(outcome) == pytest.approx(parts)
+
+
+@pytest.mark.long
+def test_a_simpler_law_is_told_against_the_declared_one(climbed, file, out):
+    made = climb(file, out, knob="law", quantity="volume_strain")
+    (ladder,) = made.ladders
+    assert [r.label for r in ladder.rungs] == ["as declared", "viscous sliding", "no sliding"]
+    errors = [ladder.error(r, "volume_strain") for r in ladder.rungs]
+    assert errors[0].size == 0.0
+    own, viscous = (r.values["volume_strain"][:, 0] for r in ladder.rungs[:2])
+    assert errors[1].signed == pytest.approx((viscous - own).mean() / 0.05)
+    assert errors[1].seen, "without springs the box contracts where it dilates"
+
+
+@pytest.mark.long
+def test_a_ring_is_driven_faster(tmp_path):
+    """A tenth of a second of a ring that is sheared for the first time: torque on two packings, at two rates."""
+    text = (FOLDER / "couette_quick.toml").read_text().partition("[[compare.windows]]")[0]
+    for old, new in {
+        "duration = 80.0": "duration = 0.4", "grow = 2.0": "grow = 0.2", "settle = 1.0": "settle = 0.05",
+        "samples = 4000": "samples = 100", "frames = 250": "frames = 20", "steady_from = 30.0": "steady_from = 0.1",
+    }.items():
+        assert old in text, old
+        text = text.replace(old, new)
+    path = tmp_path / "ring.toml"
+    path.write_text(text)
+    made = accuracy(path, tmp_path / "out", engines=ENGINES, knob="rate", ladder=[4.0, 2.0], packings=2, workers=2)
+    (ladder,) = made.ladders
+    assert [r.value for r in ladder.rungs] == [4.0, 2.0, 1.0]
+    torque = [np.abs(r.values["torque"]).mean() for r in ladder.rungs]
+    assert torque == sorted(torque, reverse=True), "the dashpots' part of the torque grows with the rate"
+    assert all("wall_velocity" in r.values for r in ladder.rungs)
+    assert ladder.rungs[0].steps == pytest.approx(ladder.rungs[2].steps / 4, abs=100), "whole samples"

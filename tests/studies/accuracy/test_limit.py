@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from harness.studies.accuracy.limit import find_limit, find_order, power_weights
+from harness.studies.accuracy import limit as module
+from harness.studies.accuracy.limit import find_limit, find_order, power_weights, standard_error
 
 X = np.array([8.0, 4.0, 2.0, 1.0])
 TRUE = 10.0
@@ -135,3 +136,40 @@ def test_weights_are_those_of_richardson():
         assert np.allclose(power_weights(np.array([1.0, 2.0]), order), [ratio / (ratio - 1), -1 / (ratio - 1)])
     assert power_weights(X, 1.3).sum() == pytest.approx(1.0)
     assert power_weights(X, 1.3) @ X**1.3 == pytest.approx(0.0, abs=1e-12)
+
+
+def scattered_apart(each):
+    """As if rungs had packings of their own: the scatter of one packing in place of that of the mean."""
+    return each.std(axis=0, ddof=1)
+
+
+MUTANTS = {
+    "the order is not used": ("power_weights", lambda x, _: power_weights(x, 1.0)),
+    "noise is a trend": ("_differs", lambda *_: True),
+    "nothing is a trend": ("_differs", lambda *_: False),
+    "the scatter of one packing": ("standard_error", scattered_apart),
+    "error bars too small": ("standard_error", lambda each: 0.3 * standard_error(each)),
+    "no jackknife": ("_jackknife", lambda *_: 10.0),
+    "coarsest rungs": ("_finest", lambda x, v: (np.argsort(-x)[:3][::-1], np.arange(v.shape[1]))),
+}
+CHECKS = (
+    lambda: test_an_exact_power_is_extrapolated_exactly(2.0), test_noise_is_not_extrapolated,
+    test_the_order_that_is_seen_is_used_where_the_expected_one_does_not_fit,
+    test_packings_without_a_value_are_left_out_on_all_rungs, test_what_packings_share_cancels,
+    test_error_bars_cover_the_truth,
+)
+
+
+@pytest.mark.parametrize("mutant", MUTANTS)
+def test_wrong_extrapolations_are_caught(mutant, monkeypatch):
+    name, wrong = MUTANTS[mutant]
+    monkeypatch.setattr(module, name, wrong)
+    assert any(_notices(check) for check in CHECKS)
+
+
+def _notices(check):
+    try:
+        check()
+    except Exception:  # noqa: BLE001 (whatever breaks has noticed)
+        return True
+    return False

@@ -55,6 +55,16 @@ def test_errors_of_opposite_sign_do_not_cancel(study, file):
     assert asked(study(ladders), file, 0.06).choice is not None
 
 
+def test_a_rung_that_is_right_by_chance_is_not_believed(study, file):
+    """The error changes sign at 0.045; what is seen at 0.03 counts there, too."""
+    ladder = {0.045: (0.0, 0.0001, 10.0), 0.03: (-0.01, 0.0001, 15.0), 0.015: (-0.004, 0.0001, 30.0)}
+    advice = asked(study({"dt": ladder}), file, 0.008)
+    assert values(advice) == {"dt": 0.015}
+    wide = asked(study({"dt": ladder}), file, 0.02)
+    assert values(wide) == {"dt": 0.045}
+    assert math.isclose(wide.choice.total.systematic, 0.01)
+
+
 def test_the_faster_engine_is_taken(study, file):
     made = study({"dt": DT}, engines=("lammps", "liggghts"), dearer={"lammps": 1.1})
     assert asked(made, file, 0.05).choice.engine == "liggghts"

@@ -48,6 +48,11 @@ def test_more_packings_would_settle_it_and_how_many():
     assert change_of(quantity(1.2, 3.0), OFF, 0.05).needed is None, "larger than the tolerance: no number would do"
 
 
+def test_a_negative_quantity_that_shrinks_falls():
+    torque = Measured(quantity="torque", unit="N m", values={BASE: {0: -2.0, 1: -2.2}, OFF: {0: -1.0, 1: -1.1}})
+    assert math.isclose(change_of(torque, OFF, 0.05).relative, -0.5)
+
+
 def test_a_quantity_that_is_gone_differs():
     found = change_of(quantity(0.0, gone=(0, 1, 2, 3)), OFF, 0.05)
     assert (found.verdict, found.value, found.relative) == ("differs", None, None)

@@ -11,11 +11,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from harness.studies.accuracy.oracle import convention_of
 from harness.studies.reproduce.protocol import Ask, Declared, Result, Study
+from harness.studies.reproduce.rows import over_packings
 from harness.studies.reproduce.runs import run_cases, study_runs, unsupported
 from harness.studies.reproduce.sound.cases import EXTENTS, SMOOTH, Setting, cases_of, settings_of
 from harness.studies.reproduce.sound.charts import charts, decay_over_frequency
-from harness.studies.reproduce.sound.measure import P, S, closed_form, measure_sound
+from harness.studies.reproduce.sound.measure import P, S, SoundRun, closed_form, measure_sound
 from harness.studies.reproduce.sound.numbers import (
     SYMBOL,
     MadeBy,
@@ -24,10 +26,12 @@ from harness.studies.reproduce.sound.numbers import (
     disorder_rows,
     disordered,
     engines_in,
+    ratios,
     regular,
     runs_by_case,
     speed_rows,
 )
+from reference.kernel.conventions import NAMED
 
 RATE_WORDS = (
     "Single waves run slower than long ones by (k l)^2/24 and more; the speeds above are extrapolated to k = 0. Steps "
@@ -89,14 +93,24 @@ def _words(settings: Sequence[Setting], runs: MadeBy) -> tuple[str, ...]:
             "the radius (LAMMPS) spinning waves are faster than where it is measured at the contact, by delta/(4 R). "
             "Every engine is held against the closed form with its own lever arms; long waves are the same for all."
         )
+    late = [e for e in arms if NAMED[convention_of(e)].sliding == "talk"]
+    said += [_late(rough, runs[rough.name][e], e) for e in late]
     said += [_slowing(width, samples, runs) for width, samples in disordered(settings).items()]
     return tuple(s for s in said if s)
 
 
-def _slowing(width: float, samples: Sequence[Setting], runs: MadeBy) -> str:
-    from harness.studies.reproduce.rows import over_packings
-    from harness.studies.reproduce.sound.numbers import ratios
+def _late(setting: Setting, run: SoundRun, engine: str) -> str:
+    """Say what a spring that moves behind the force does to a wave: see `reference.kernel.laws.slider`."""
+    fastest = float(closed_form(setting, engine).torsion(0.0))
+    exponent = fastest**2 * run.dt * float(run.time[-1]) / 2
+    return (
+        f"{engine} moves a friction spring after it has taken its force, as the talk's algorithm is written: the force "
+        f"is a step late, and a swing of frequency w grows by exp(w^2 dt t/2), here by up to exp({exponent:.0f}). "
+        "Contacts then slide and open, so that its numbers with friction springs are none of small waves."
+    )
 
+
+def _slowing(width: float, samples: Sequence[Setting], runs: MadeBy) -> str:
     engines = engines_in(samples, runs)
     if not engines:
         return ""

@@ -1,0 +1,98 @@
+"""Advice on a free scene: errors are rms over phases, whose standard error counts; and a check by a run of its own."""
+
+import json
+import math
+from pathlib import Path
+
+import msgspec
+import numpy as np
+import pytest
+
+from harness.scene.load import load_scene
+from harness.scene.write import write_scene
+from harness.studies.accuracy import accuracy
+from harness.studies.advise import advise, read_evidence
+from harness.studies.advise.evidence import _of_rms
+
+FILE = Path(__file__).resolve().parents[3] / "inputs" / "scenes" / "oblique_impact.toml"
+EVEN, UNEVEN = (1.0, 1.0, 1.0, 1.0), (0.1, 0.1, 0.1, 1.99)
+"""Errors of four phases over their rms, nearly the same rms."""
+
+
+def study(folder, spread, engines=("lammps",)):
+    """error = f/4, 1 ms a step at f = 0.01; one rung of 0.64 that went wrong."""
+    values = (0.16, 0.08, 0.04, 0.02, 0.01)
+    points = [
+        {"case": "as declared", "engine": e, "dt_fraction": f, "exit": f / 4, "velocity": None, "CPU (ms)": 0.01 / f,
+         "status": "completed"}
+        for e in engines for f in values
+    ]
+    points.insert(0, points[0] | {"dt_fraction": 0.64, "exit": None, "status": "unstable", "CPU (ms)": None})
+    data = {
+        "scene": msgspec.to_builtins(load_scene(FILE)), "quantity": "exit", "phases": 4, "knob": "dt",
+        "errors": [{"case": "as declared", "engine": e, "dt_fraction": f, "exit": [f / 4 * s for s in spread]}
+                   for e in engines for f in values],
+        "tables": {
+            "points": points,
+            "slopes": [{"case": "as declared", "engine": e, "quantity": "exit", "slope": 1.0} for e in engines],
+            "oracles": [{"case": "as declared", "engine": e, "its error": 1e-9} for e in engines],
+        },
+    }
+    (folder / "accuracy.json").write_text(json.dumps(data))
+    return folder
+
+
+def advised(folder, tolerance):
+    scene = load_scene(FILE)
+    evidence = read_evidence(scene, FILE, quantity=None, folder=folder, effects=None, tolerance=tolerance)
+    return advise(evidence, tolerance)
+
+
+def test_the_coarsest_step_that_does(tmp_path):
+    advice = advised(study(tmp_path, EVEN), 0.011)
+    assert advice.choice.rungs["dt"].value == 0.04
+    assert math.isclose(advice.choice.total.error(1), 0.01, rel_tol=1e-6)
+    assert math.isclose(advice.choice.seconds, 0.25e-3)
+    assert "free" not in advice.evidence.absent
+    assert "scene has none" in advice.evidence.absent["rate"]
+    assert advice.evidence.ladders["lammps"]["dt"].failed == ("0.64: unstable",)
+
+
+def test_phases_that_differ_widen_the_error(tmp_path):
+    even, uneven = (advised(study(tmp_path, s), 0.011).choice.rungs["dt"].value for s in (EVEN, UNEVEN))
+    assert (even, uneven) == (0.04, 0.02)
+
+
+def test_a_finer_step_is_foretold(tmp_path):
+    rung = advised(study(tmp_path, EVEN), 0.0013).choice.rungs["dt"]
+    assert (rung.origin, rung.value) == ("extrapolated", 0.005)
+
+
+def test_standard_error_of_a_root_mean_square():
+    """Against what samples of normal numbers scatter: rms of n has s/sqrt(2 n)."""
+    rng = np.random.default_rng(5)
+    samples = rng.normal(size=(4000, 50))
+    told = np.mean([_of_rms(list(s)) for s in samples[:300]])
+    assert math.isclose(told, np.sqrt((samples**2).mean(axis=1)).std(), rel_tol=0.06)
+    assert math.isinf(_of_rms([1.0]))
+    assert _of_rms([0.0, 0.0]) == 0.0
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("tolerance", [0.05, 0.01, 0.002])
+def test_the_advised_scene_keeps_the_tolerance_at_other_phases(tmp_path, tolerance):
+    """Ladders of 12 phases, a check of 60: what was advised is run as its own study."""
+    from harness.report.accuracy import write_accuracy
+
+    done = accuracy(FILE, tmp_path, engines=["kernel:talk", "kernel:corrected"], phases=12)
+    write_accuracy(done, tmp_path)
+    advice = advised(tmp_path, tolerance)
+    write_scene(advice.scene, FILE, tmp_path / "advised.toml")
+    step = advice.scene.numerics.dt_fraction
+    check = accuracy(
+        tmp_path / "advised.toml", tmp_path / "check", engines=[advice.choice.engine], ladder=[step, step / 2],
+        phases=60,
+    )
+    found = next(p for t in check.declared for p in t.points if p.value == step).size("exit")
+    assert found <= tolerance
+    assert found >= 0.2 * advice.choice.total.error(1), "the expected error is one, and no mere bound"

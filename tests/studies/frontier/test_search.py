@@ -1,0 +1,66 @@
+"""Bisection against codes that are stable up to a known step, never, always, or not to be asked."""
+
+import math
+
+import pytest
+
+from harness.studies.frontier.probe import Look
+from harness.studies.frontier.search import HIGHEST, LOWEST, Search
+
+
+def run(search, answer):
+    """Let a search look until it is done; return how many looks it took."""
+    for count in range(60):
+        if search.done:
+            return count
+        search.tell(answer(search.next_step()))
+    raise AssertionError("it never ends")
+
+
+def up_to(limit):
+    return lambda dt: Look(dt=dt, seen="stable" if dt < limit else "unstable", energy=1.0)
+
+
+@pytest.mark.parametrize("limit", [0.11, 0.5, 0.969, 0.999, 1.0001, 1.04, 2.7, 7.9])
+def test_it_encloses_the_limit_as_closely_as_asked_for(limit):
+    search = Search(guess=1.0)
+    run(search, up_to(limit))
+    assert search.fault == ""
+    assert search.stable < limit <= search.unstable
+    assert search.unstable - search.stable <= search.precision * search.middle
+
+
+def test_a_good_guess_takes_few_looks():
+    search = Search(guess=1.0)
+    assert run(search, up_to(1.001)) == 5
+
+
+def test_a_code_that_is_never_stable():
+    search = Search(guess=1.0)
+    run(search, up_to(0.0))
+    assert search.stable is None
+    assert search.unstable == pytest.approx(LOWEST)
+    assert search.fault.startswith("unstable at every step")
+
+
+def test_a_code_that_is_always_stable():
+    search = Search(guess=1.0)
+    run(search, up_to(math.inf))
+    assert search.unstable is None
+    assert search.stable == pytest.approx(HIGHEST)
+    assert search.fault.startswith("stable at every step")
+
+
+def test_a_run_that_says_nothing_ends_the_search():
+    search = Search(guess=1.0)
+    run(search, lambda dt: Look(dt=dt, seen="failed", energy=math.inf, reason="crashed: wrong deck"))
+    assert search.fault == "crashed: wrong deck"
+    assert search.stable is search.unstable is None
+
+
+def test_a_stable_look_beyond_an_unstable_one_does_not_count():
+    """Islands of stability are not the largest stable step."""
+    search = Search(guess=1.0)
+    for dt, seen in ((0.97, "unstable"), (0.6, "stable"), (1.2, "stable")):
+        search.tell(Look(dt=dt, seen=seen, energy=1.0))
+    assert (search.stable, search.unstable) == (0.6, 0.97)
