@@ -10,7 +10,7 @@ from harness.report.replicates import error_rates, looking_again, replicate_page
 from harness.report.ring_pictures import chain_figure, overview, spin_figure
 from harness.report.ring_tables import TABLES, number_page_rows, published_rows, tables
 from harness.scene.ring import area_fractions
-from harness.studies.compare.profile_checks import FALSE_ALARM, MOST
+from harness.studies.compare.profile_checks import MOST
 from harness.studies.compare.ring_checks import STEADY
 from harness.studies.compare.significance import POWER
 
@@ -67,12 +67,14 @@ def lead(comparison: Comparison) -> str:
     if _steady(comparison):
         return f"The state is steady from {start} on as far as it was looked at: {compared} agree in every code."
     apart = ", ".join(
-        f"{c.left} {100 * c.deviation:.2g} % (error bars {100 * c.tolerance:.2g} %)" for c in checks
+        f"{100 * c.deviation:.0f} % in {c.left} (error bars {100 * c.tolerance:.0f} %)" for c in checks
         if c.verdict != "agrees" and None not in (c.deviation, c.tolerance)
     )
     differ = any(c.verdict == "differs" for c in checks)
     what = "The state is not steady" if differ else "That the state is steady was not shown"
-    return f"{what}: {compared} of the time from {start} on are apart by {apart}. All are averages over that time."
+    return (
+        f"{what}: {compared} of the time from {start} on differ by {apart}. What follows are averages over that time."
+    )
 
 
 def _steadiness(comparison: Comparison) -> list[Check]:
@@ -144,7 +146,7 @@ def _profile_note(comparison: Comparison) -> str:
         f"area; bands are one standard error {error}. Ratios, deviators and angles are formed from averages. "
         "Runs of one packing are the same numbers until chaos parts them, and independent afterwards; what is judged "
         f"counts them as independent. In a whole comparison of equal codes a profile is falsely said to differ in a "
-        f"cell with a probability of {FALSE_ALARM:g} at most. Profiles agree where no cell differs and a difference of "
+        f"cell with a probability of {comparison.scene.compare.false_alarms:g} at most. Profiles agree where no cell differs and a difference of "
         f"{100 * comparison.scene.compare.margin:g} % of the profile's size would have been seen in {MOST:.0%} of the "
         f"cells, in each with a probability of {POWER:g}, and no cell is further apart than that.{missing}"
     )

@@ -298,6 +298,9 @@ class TimeWindow(Table):
         return f"torque on the inner ring up to {self.time:g} s"
 
 
+RING_FALSE_ALARMS = 0.01
+"""Of all profiles of a comparison, and of all its numbers."""
+
 RING_MARGIN = 0.25
 """Of a profile's size or a number: how small a difference a comparison of rings must be able to see. A quarter is less
 than the talk leaves open in the width of the band (1 to 2 diameters, a third either way), and what 0.5 % of area
@@ -309,13 +312,15 @@ class RingCompare(Table):
 
     Profiles are averages over the frames from `steady_from` (s) on, in `cells` concentric rings; `band` is the distance
     from the inner ring (m) up to which the velocity is fitted by v_0 exp(-(r - R_i)/s). `packings` and `replicates` as
-    in `Compare`. Codes agree in a profile in which no difference is seen where one of `margin` of its size would have
+    in `Compare`. With a probability of `false_alarms` any of equal codes is said to differ in any cell of any profile, and
+    with as much in any number or mean over cells. Codes agree in a profile in which no difference is seen where one of `margin` of its size would have
     been, and in a number whose difference is shown to be smaller than `margin` of it.
     """
 
     steady_from: NonNegative
     band: Positive
     cells: Annotated[int, Meta(ge=2, le=1000)] = 20
+    false_alarms: Annotated[float, Meta(gt=0, le=0.5)] = RING_FALSE_ALARMS
     margin: Annotated[float, Meta(gt=0, le=1)] = RING_MARGIN
     packings: Annotated[int, Meta(ge=1, le=MOST_PACKINGS)] = 1
     replicates: Annotated[int, Meta(ge=2, le=MOST_PACKINGS)] | None = None

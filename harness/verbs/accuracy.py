@@ -32,7 +32,7 @@ def add(verbs) -> None:
     verb.add_argument("--packings", type=as_count, metavar="N", help="of a box or ring; default: 8, 2")
     add_names(
         verb, "engine",
-        "default: lammps,liggghts,kernel, of free scenes with kernel:corrected; of the knob scheme all kernels",
+        "default: lammps,liggghts,kernel:talk, of free scenes also kernel:corrected; of the knob scheme all kernels",
     )
     verb.add_argument("--workers", type=as_count, metavar="N", help="runs at a time; default: the number of cores")
     verb.add_argument("--out", type=as_folder, default=Path("out/accuracy"), metavar="DIR", help="default: %(default)s")

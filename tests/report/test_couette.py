@@ -65,6 +65,32 @@ def test_page_tables_and_picture_are_written_and_agree(comparison, ring, tmp_pat
     assert "NaN" not in written.data.read_text()
 
 
+def test_the_page_says_on_top_whether_the_state_is_steady(comparison, ring, mutate, tmp_path):
+    steady = comparison({("lammps", 0): ring.trajectory(seed=1), ("liggghts", 0): ring.trajectory(seed=2)})
+    assert couette.lead(steady).startswith("The state is steady from")
+    rng = np.random.default_rng(1)
+    wild = mutate.series(
+        ring.trajectory(seed=1), outer_torque=lambda t: t * (1 + 8 * rng.normal(size=len(t)))
+    )
+    open_ = comparison({("lammps", 0): wild, ("liggghts", 0): ring.trajectory(seed=2)})
+    assert couette.lead(open_).startswith("That the state is steady was not shown")
+    page = write_report(open_, tmp_path / "out").page.read_text()
+    assert couette.lead(open_)[:40] in page
+    assert "Numbers of the steady state" not in page
+    assert f"Averages from {ring.scene.compare.steady_from:g} s on</h2>" in page
+
+
+def test_numbers_stand_between_codes_on_page_and_in_the_table(comparison, ring, tmp_path):
+    made = comparison({("lammps", 0): ring.trajectory(seed=1), ("liggghts", 0): ring.trajectory(seed=2)})
+    written = write_report(made, tmp_path / "out")
+    with open(tmp_path / "out" / "between_codes.csv", newline="") as f:
+        rows = {row["quantity"]: row for row in csv.DictReader(f)}
+    assert {"torque on the inner ring", "torque on the outer ring", "pressure", "volume fraction in the band",
+            "s/d (width of the band)", "mean over cells of v_phi"} <= set(rows)
+    assert rows["pressure"]["design"] == "time averages"
+    assert "Numbers of codes beside each other</h2>" in written.page.read_text()
+
+
 def test_area_fractions_stand_there_both_ways(comparison, ring):
     rows = number_rows(comparison({("lammps", 0): ring.trajectory()}))
     r = ring.scene.rings

@@ -3,7 +3,6 @@
 import csv
 import io
 import json
-from functools import partial
 from pathlib import Path
 
 import pytest
@@ -13,17 +12,37 @@ from harness.errors import InputError
 from harness.report.effects import PAGE, TABLES, check_places, effects_answer, write_effects
 from harness.report.effects_words import paragraph
 from harness.scene.load import load_scene
-from harness.studies.effects import cost, effects_study, timing
+from harness.studies.effects import effects_study, timing
+from harness.studies.effects import study as module
+from harness.studies.effects.cost import StepCost
+from harness.studies.effects.probes import Probed, ZeroCheck
+from harness.studies.effects.variants import BASE
 
 FILE = Path(__file__).resolve().parents[2] / "inputs" / "scenes" / "oblique_impact.toml"
 ONLY = ["normal damping", "sliding friction"]
+
+
+def canned_costs(_engine, _version, systems, **_):
+    """Steps without an effect take 0.9 of the time."""
+    ratios = {name: 1.0 if name == BASE else 0.9 for name in systems}
+    return {n: StepCost(seconds=(r * 1e-5,) * 3, ratios=(r,) * 3, setup=0.1, steps=10, bodies=2)
+            for n, r in ratios.items()}
+
+
+def canned_probe(pairs, engines, *_, **__):
+    """Off is zero."""
+    return Probed(columns={}, checks=tuple(
+        ZeroCheck(effect=p.effect, engine=e.name, says="0", verdict="agrees", why="", deviation=1e-15, acts=0.1)
+        for p in pairs for e in engines
+    ))
 
 
 @pytest.fixture(scope="module")
 def study(tmp_path_factory):
     out = tmp_path_factory.mktemp("effects")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(timing, "step_costs", partial(cost.step_costs, rounds=2))
+        patch.setattr(timing, "step_costs", canned_costs)
+        patch.setattr(module, "probe", canned_probe)
         return effects_study(FILE, out, engines=["kernel:talk"], only=ONLY, tolerance=0.3)
 
 
@@ -62,6 +81,7 @@ def test_words_name_what_matters_and_what_was_verified(study):
     assert "cannot do without: sliding friction" in words
     assert "leaves out normal damping; a run of the reduced scene shows it" in words
     assert "0 differ" in words
+    assert "That saves 10 % of a run on kernel:talk" in words
 
 
 def test_the_answer_has_no_number_that_is_not_one(study):

@@ -96,7 +96,11 @@ def find_limit(x: Sequence[float], values: np.ndarray, expected: float) -> Limit
 
 
 def find_order(x: Sequence[float], values: np.ndarray) -> Order | None:
-    """Return the order of values (R, K, S) over all rungs; None with fewer than three or where no power fits."""
+    """Return the order of values (R, K, S) over all rungs.
+
+    None with fewer than three rungs, where they differ by no more than noise, or no power fits: with all packings, or
+    with any of them left out.
+    """
     x, values = np.asarray(x, float), np.asarray(values, float)
     whole = np.isfinite(values).all(axis=(0, 2))
     if len(x) < USED or whole.sum() < 2:
@@ -107,7 +111,8 @@ def find_order(x: Sequence[float], values: np.ndarray) -> Order | None:
     best = _best_order(x, flat.mean(axis=1))
     if best is None:
         return None
-    return Order(value=best, error=_jackknife(x, flat), rungs=len(x))
+    error = _jackknife(x, flat)
+    return Order(value=best, error=error, rungs=len(x)) if np.isfinite(error) else None
 
 
 def standard_error(each: np.ndarray) -> np.ndarray:

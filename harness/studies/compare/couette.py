@@ -14,7 +14,7 @@ from harness.studies.compare.growth import Growth, difference_growth
 from harness.studies.compare.pairs import Pair, pairs_of
 from harness.studies.compare.pointwise import parting_checks, window_checks
 from harness.studies.compare.profile_checks import profile_checks
-from harness.studies.compare.profile_tests import tested_profiles
+from harness.studies.compare.profile_tests import compared_profiles
 from harness.studies.compare.profiles import RingProfiles, ring_profiles, steady_frames, subject_of
 from harness.studies.compare.ring_balances import RingBalances, ring_balances
 from harness.studies.compare.ring_checks import ring_checks
@@ -58,9 +58,9 @@ def judge_couette(
         profiles[r.engine][r.packing] = ring_profiles(subjects, system)
         balances[r.engine][r.packing] = ring_balances(curves[r.engine][r.packing], subjects, system)
         bands[r.engine][r.packing] = band_of(profiles[r.engine][r.packing], scene, system)
-    margin, tested = scene.compare.margin, tested_profiles(pairs, profiles)
-    judged = judge_numbers(pairs, profiles, balances, bands, tested, margin)
-    averages = [*family_checks(judged, rerun), *profile_checks(pairs, profiles, rerun, margin, tested)]
+    margin, alarms, tested = scene.compare.margin, scene.compare.false_alarms, compared_profiles(pairs, profiles)
+    judged = judge_numbers(pairs, profiles, balances, bands, tested, margin, alarms)
+    averages = [*family_checks(judged, rerun), *profile_checks(pairs, profiles, rerun, margin, alarms, tested)]
     first_curves = {e: of[0] for e, of in curves.items() if 0 in of}
     checks = [
         *window_checks(pairs, scene.compare.windows, curves, rerun),

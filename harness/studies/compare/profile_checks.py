@@ -1,7 +1,7 @@
 """Do two codes have the same profiles? Every profile of every pair, at one declared rate of false alarms (level L3).
 
 In a whole comparison of codes that agree, the probability that any profile is said to differ in any cell is at most
-`FALSE_ALARM`: each of its N tests (pairs x profiles x cells) is made at FALSE_ALARM/N (Bonferroni; O. J. Dunn, J. Am.
+`false_alarms`: each of its N tests (pairs x profiles x cells) is made at 1/N of it (Bonferroni; O. J. Dunn, J. Am.
 Stat. Assoc. 56, 52 (1961)), with Student's t, see `harness.studies.compare.significance`.
 
     differs       in a cell or more, whose errors are to be trusted, a difference is seen
@@ -19,15 +19,12 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from harness.scene.model import RING_MARGIN
+from harness.scene.model import RING_FALSE_ALARMS, RING_MARGIN
 from harness.studies.compare.pairs import Pair
 from harness.studies.compare.profile_quantities import QUANTITIES
-from harness.studies.compare.profile_tests import All, Both, Tested, tested_profiles
+from harness.studies.compare.profile_tests import All, Both, Tested, compared_profiles
 from harness.studies.compare.significance import POWER, Difference
 from harness.studies.verdict import Check, Rerun, not_checked
-
-FALSE_ALARM = 0.01
-"""Of a whole comparison."""
 
 FEWEST = 3
 """Packings below which their spread means nothing."""
@@ -48,12 +45,12 @@ LISTED = 6
 
 def profile_checks(
     pairs: Sequence[Pair], profiles: All, rerun: Rerun, margin: float = RING_MARGIN,
-    tested: Mapping[Pair, Sequence[Tested]] | None = None,
+    false_alarms: float = RING_FALSE_ALARMS, tested: Mapping[Pair, Sequence[Tested]] | None = None,
 ) -> list[Check]:
-    """One check a pair and group of profiles. tested: what `tested_profiles` makes, if it is made already."""
-    tested = tested_profiles(pairs, profiles) if tested is None else tested
+    """One check a pair and group of profiles. tested: what `compared_profiles` makes, if it is made already."""
+    tested = compared_profiles(pairs, profiles) if tested is None else tested
     number = sum(int(t.difference.used.sum()) for of in tested.values() for t in of)
-    level = FALSE_ALARM / max(number, 1)
+    level = false_alarms / max(number, 1)
     found = []
     for pair in pairs:
         facts = {"level": "L3", "left": pair.left, "right": pair.right}

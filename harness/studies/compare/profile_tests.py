@@ -55,7 +55,7 @@ class Overall:
     needed: float
 
 
-def tested_profiles(pairs: Sequence[Pair], profiles: All) -> dict[Pair, list[Tested]]:
+def compared_profiles(pairs: Sequence[Pair], profiles: All) -> dict[Pair, list[Tested]]:
     """Return every profile that both runs of all packings of a pair have."""
     first = [of[0] for of in profiles.values() if 0 in of]
     return {p: list(_tested(both, first)) if (both := p.both(profiles)) else [] for p in pairs}

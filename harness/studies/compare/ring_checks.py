@@ -4,7 +4,8 @@ Steady: the torque is the same in both halves of the time, and a drift of the de
 nothing shows that the state is steady, and averages are averages. Torque: what the inner ring gives arrives at the
 outer one but for the drag of the bottom, and 2 pi r^2 sigma_rphi is that torque through every circle in between.
 Momentum: what contacts, drag and the mean motion leave over in every ring averages to nothing. Each is judged by its
-own error bars, so a check whose error bars exceed `BLIND` of the torque, or of the pressure, says nothing and is inconclusive.
+own error bars, so a check whose error bars exceed `BLIND` of the torque, or of the pressure, says nothing and is
+inconclusive.
 """
 
 from __future__ import annotations

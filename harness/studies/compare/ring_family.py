@@ -5,7 +5,7 @@ over its cells is compared, over the profile's size: a common offset, which no t
 smaller than their errors. Its own error is that of the series of this mean.
 
 All are judged as quantities over replicates are (`harness.studies.statistics.family`): a difference is seen at
-FALSE_ALARM for the whole family (Holm), and codes agree in what is shown to differ by less than the margin, at the same
+`false_alarms` for the whole family (Holm), and codes agree in what is shown to differ by less than the margin, at the same
 level for all. Over packings errors are those of the differences packing by packing. With a single packing they are
 those of time averages, pooled over all runs, that know of autocorrelation; from fewer autocorrelation times than they
 need nothing is concluded.
@@ -17,10 +17,9 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from harness.scene.model import RING_MARGIN
+from harness.scene.model import RING_FALSE_ALARMS, RING_MARGIN
 from harness.studies.compare.band import Band
 from harness.studies.compare.pairs import Pair
-from harness.studies.compare.profile_checks import FALSE_ALARM
 from harness.studies.compare.profile_tests import Overall
 from harness.studies.compare.profile_tests import Tested as ProfileTested
 from harness.studies.compare.profiles import Profile, RingProfiles
@@ -44,8 +43,9 @@ def judge_numbers(
     pairs: Sequence[Pair], profiles: Mapping[str, Mapping[int, RingProfiles]],
     balances: Mapping[str, Mapping[int, RingBalances]], bands: Mapping[str, Mapping[int, Band]],
     tested: Mapping[Pair, Sequence[ProfileTested]], margin: float = RING_MARGIN,
+    false_alarms: float = RING_FALSE_ALARMS,
 ) -> list[Judged]:
-    """Judge numbers and offsets of all pairs as one family. tested: what `tested_profiles` makes."""
+    """Judge numbers and offsets of all pairs as one family. tested: what `compared_profiles` makes."""
     numbers = {
         e: {k: numbers_in_time(p, balances[e][k], bands[e][k]) for k, p in of.items()} for e, of in profiles.items()
     }
@@ -54,7 +54,7 @@ def judge_numbers(
         t for pair in pairs
         for t in (*_numbers(pair, numbers, profiles, tested[pair]), *_offsets(pair, tested[pair]))
     ]
-    return judge_tests(found, Terms(false_alarms=FALSE_ALARM, margin=margin, paired=several))
+    return judge_tests(found, Terms(false_alarms=false_alarms, margin=margin, paired=several))
 
 
 def _numbers(

@@ -12,7 +12,8 @@ from harness.scene.laws import word
 from harness.scene.model import Scene
 from harness.scene.resolve import resolve
 from harness.scene.system import System
-from harness.studies.effects.switches import SWITCHES, NotSwitched
+from harness.studies.effects.switches import SWITCHES
+from harness.studies.effects.turned import NotSwitched
 from harness.studies.effects.variants import Variant
 from harness.studies.prepare import Prepared
 

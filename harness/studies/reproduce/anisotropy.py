@@ -56,6 +56,9 @@ FRAMES = 100
 FITTED = {"s_D": 0.04, "F_D": 0.10, "C_D": 0.10}
 """Up to which eps_D each is fitted: stress until it softens after its peak, structure and stiffness further."""
 
+REACHED = 0.8
+"""Part of the way to the limit that the data must cover: what lies further away is no limit but an extrapolation."""
+
 TOLERANCE = 0.05
 """Of C_D max: what this study sets out to reach."""
 
@@ -143,7 +146,7 @@ def saturations(states: Mapping[str, np.ndarray]) -> dict[str, float]:
     found = {}
     for name, high in FITTED.items():
         fit = fit_saturation(states["eps_D"], states[name], initial=float(states[name][0]), high=high)
-        known = not isinstance(fit, Unavailable)
+        known = not isinstance(fit, Unavailable) and fit.reached >= REACHED
         found[f"{name} max"] = fit.plateau.value if known else float("nan")
         found[f"beta of {name}"] = fit.rate.value if known else float("nan")
     return found

@@ -22,6 +22,7 @@ import numpy as np
 from msgspec.structs import replace
 
 from harness.studies.reproduce.boxes import (
+    LARGEST,
     PAPER_COUNT,
     SIDE,
     UNITS,
@@ -115,7 +116,10 @@ def run(ask: Ask) -> Result:
         runs=study_runs(made),
         checks=tuple(box_checks(made, of_main, {PLATEAU: UNITS[PLATEAU]}, rerun_of("cohesion", ask))),
         pictures=_pictures(made, lines, remembered, main), words=_words(rows, again), unsupported=unsupported(made),
-        tables={"Tests": _test_rows(made, of_main)},
+        tables={
+            "Other readings: the plateau or the top of the smoothed curve": reading_rows(made, main),
+            "Tests": _test_rows(made, of_main),
+        },
     )
 
 
@@ -128,21 +132,21 @@ def _rate_points(made: Sequence[Made], planned: Sequence[Case], pressure: float,
 
 
 def yield_lines(
-    made: Sequence[Made], engine: str, ratio: str, duration: float, *, memory: bool
+    made: Sequence[Made], engine: str, ratio: str, duration: float, *, memory: bool, axial: str = PLATEAU
 ) -> dict[str, Measured]:
-    """Return "angle" (degrees) and "cohesion" (N/m) over packings, from the plateaus of both pressures."""
+    """Return "angle" (degrees) and "cohesion" (N/m) over packings, from a stress `axial` at both pressures."""
     names = _name(LOW, ratio, duration, memory=memory), _name(HIGH, ratio, duration)
     of = [by_engine(made, name).get(engine, {}) for name in names]
-    lines = [two_point_line(*(of_p[k] for of_p in of)) for k in of[0] if all(k in of_p for of_p in of)]
+    lines = [two_point_line(*(of_p[k] for of_p in of), axial) for k in of[0] if all(k in of_p for of_p in of)]
     return {
         name: over_packings(engine, [line[k] for line in lines]) for k, name in enumerate(("angle", "cohesion"))
     }
 
 
-def two_point_line(low: BoxRun, high: BoxRun) -> tuple[float, float]:
+def two_point_line(low: BoxRun, high: BoxRun, axial: str = PLATEAU) -> tuple[float, float]:
     """Return phi (degrees) and c (N/m) of the line through two tests; NaN where there is none."""
-    side, axial = (np.array([r.numbers[name] for r in (low, high)]) for name in (SIDE, PLATEAU))
-    line = mohr_coulomb(side, axial)
+    sides, stresses = (np.array([r.numbers[name] for r in (low, high)]) for name in (SIDE, axial))
+    line = mohr_coulomb(sides, stresses)
     if isinstance(line, Unavailable):
         return float("nan"), float("nan")
     return line.angle.value, line.cohesion.value
@@ -200,9 +204,29 @@ def _slope_rows(lines: Mapping, ask: Ask) -> list[Row]:
     ]
 
 
+def reading_rows(made: Sequence[Made], duration: float) -> list[dict]:
+    """One row an engine and k_c/k_2: angle and cohesion of every reading, means over packings, and the talk's."""
+    readings = {
+        f"{what}, {MEMORY if memory else 'prepared at p_x'}": (axial, memory)
+        for what, axial in (("plateau", PLATEAU), ("top", LARGEST)) for memory in (False, True)
+    }
+    rows = []
+    for engine in engines_of(made):
+        for ratio in RATIOS:
+            found = {
+                name: yield_lines(made, engine, ratio, duration, memory=memory, axial=axial)
+                for name, (axial, memory) in readings.items()
+            }
+            rows.append({"engine": engine, "k_c/k_2": ratio, **{
+                f"{head}, {name}": of[what].value if of[what].packings else None
+                for what, head in (("cohesion", "c (N/m)"), ("angle", "phi (deg)")) for name, of in found.items()
+            }, "c (N/m), talk": published_values()[f"talk_macro_cohesion_{_key(ratio)}"].value})
+    return rows
+
+
 def _test_rows(made: Sequence[Made], of_main: Sequence[Case]) -> list[dict]:
     """One row a test and engine: means over its packings."""
-    names = {"sigma_zz (N/m)": PLATEAU, "sigma_xx (N/m)": SIDE, "largest sigma_zz (N/m)": "largest sigma_zz"}
+    names = {"sigma_zz (N/m)": PLATEAU, "sigma_xx (N/m)": SIDE, "largest sigma_zz (N/m)": LARGEST}
     rows = []
     for c in of_main:
         for engine, of in by_engine(made, c.name).items():

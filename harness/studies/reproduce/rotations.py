@@ -190,9 +190,10 @@ def local_numbers(frame: Snapshot, first: Snapshot) -> dict[str, float]:
     cut_in_band = band[_cells_of(points, frame, shape)]
     turned = frame.particles["rotation"] - first.particles["rotation"]
     return {
-        TURN: float(np.degrees(rms(turned))), IN_BAND: _ratio(np.abs(theta), band), HALF: float(band.mean()),
+        TURN: float(np.degrees(rms(turned))), HALF: float(band.mean()),
+        IN_BAND: _over(float(np.abs(theta[band]).mean()), float(np.abs(theta[~band]).mean())),
         FOLLOWS: float(theta @ W / (W @ W)), WHOLE: rms(whole) / p, CUT: rms(cut) / p,
-        CUT_IN_BAND: float(rms(cut[cut_in_band]) / rms(cut[~cut_in_band])),
+        CUT_IN_BAND: _over(rms(cut[cut_in_band]), rms(cut[~cut_in_band])),
     }
 
 
@@ -210,8 +211,9 @@ def rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-def _ratio(values: np.ndarray, band: np.ndarray) -> float:
-    return float(values[band].mean() / values[~band].mean())
+def _over(inside: float, outside: float) -> float:
+    """Return the ratio, NaN where nothing is outside."""
+    return inside / outside if outside else float("nan")
 
 
 def _cells_of(points, frame: Snapshot, shape: Sequence[int]) -> np.ndarray:

@@ -90,7 +90,7 @@ def test_energy_of_an_elastic_cluster(dem):
 
 def test_a_jammed_cluster_keeps_its_energy_for_long(dem):
     """Always in contact, 5000 steps: the error oscillates and does not grow."""
-    m = dem.cluster(9, 2, squeeze=0.9, speed=0.1, periodic=(5.4, 5.4))
+    m = dem.cluster(9, 2, squeeze=0.92, speed=0.1, periodic=(5.52, 5.52))
     simulation = dem.Simulation(m)
     start, errors = dem.energy(simulation), []
     for _ in range(100):

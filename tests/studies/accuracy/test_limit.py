@@ -173,3 +173,11 @@ def _notices(check):
     except Exception:  # noqa: BLE001 (whatever breaks has noticed)
         return True
     return False
+
+
+def test_an_order_that_hangs_on_one_packing_is_none():
+    """Seven packings fall, the eighth falls much more and bends: without it no power fits."""
+    values = np.tile(np.array([10.4, 10.4, 10.4, 10.0])[:, None, None], (1, 8, 1))
+    values += 1e-6 * np.random.default_rng(2).standard_normal(values.shape)
+    values[:, 7, 0] = 10.0 + 0.4 * X
+    assert find_order(X, values) is None

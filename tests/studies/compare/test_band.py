@@ -52,6 +52,38 @@ def test_a_width_that_is_not_known_decides_nothing(band):
     assert judged(band(lambda x: 0.7 * np.exp(-x / 1.5), error=0.3)).verdict in ("inconclusive", "not_checked")
 
 
+def fast_then_slow(x):
+    return 0.6 * np.exp(-x / 0.9) + 0.1 * np.exp(-x / 4.0)
+
+
+def test_a_profile_that_is_no_exponential_is_judged_by_all_its_widths(band):
+    """The whole fit lies in the talk's range; its halves do not, and the error bar of the fit does not know."""
+    b = band(fast_then_slow)
+    assert 1.0 < b.width < 2.0
+    inner, outer = (half.s.value / D for half in b.halves)
+    assert inner < b.width < 2.0 < outer
+    check = judged(b)
+    assert check.verdict == "inconclusive"
+    assert f"chi^2/dof = {b.fit.chi2:.3g} ({b.freedom} degrees of freedom" in check.why
+    assert f"outer {outer:.3g}" in check.why
+    assert "measured" in check.why
+
+
+@pytest.mark.parametrize(("scale", "verdict"), [(1.45, "agrees"), (2.6, "differs")])
+def test_widths_that_all_say_the_same_decide(band, scale, verdict):
+    """Wavy by 10 %: one exponential does not fit, and every part of it is in the range, or out of it."""
+    b = band(lambda x: 0.7 * np.exp(-x / scale) * (1 + 0.1 * np.cos(6 * x)), error=2e-4)
+    assert b.misfit
+    assert judged(b).verdict == verdict
+
+
+def test_a_fit_within_its_error_bars_has_no_misfit(band):
+    rng = np.random.default_rng(3)
+    b = band(lambda x: 0.7 * np.exp(-x / 1.5) + 1e-3 * rng.normal(size=len(x)))
+    assert b.misfit == ""
+    assert b.freedom == b.fit.points - 2
+
+
 def test_scatter_about_the_exponential_counts_as_error(band):
     wavy = band(lambda x: 0.7 * np.exp(-x / 1.5) * (1 + 0.3 * np.cos(6 * x)))
     assert wavy.fit.chi2 > 10

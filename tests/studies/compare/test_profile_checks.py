@@ -1,5 +1,6 @@
 """Profiles beside each other: what is planted is found, what cannot be known is not passed."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,13 +17,14 @@ RERUN = Rerun(scene_file=Path("ring.toml"), out=Path("out"), packings=None)
 CELLS = 10
 
 
-def run(seed, *, frames=400, planted=0.0, noise=0.1, slow=False, absent=()):
-    """Spin of 1 rad/s in ten cells and v_phi of 2 m/s; `planted` is added to the spin in cell 3."""
+def run(seed, *, frames=400, planted=0.0, noise=0.1, slow=False, absent=(), hidden=0.0):
+    """Spin of 1 rad/s in ten cells and v_phi of 2 m/s; `planted` is added to the spin in cell 3, `hidden` in 5."""
     rng = np.random.default_rng(seed)
     scatter = noise * rng.normal(size=(2, frames, CELLS))
     if slow:
         scatter = np.cumsum(scatter, axis=1) / 10
-    values = {"spin": 1.0 + scatter[0] + planted * (np.arange(CELLS) == 3), "v_phi": 2.0 + scatter[1]}
+    values = {"spin": 1.0 + scatter[0] + planted * (np.arange(CELLS) == 3)
+              + hidden * (np.arange(CELLS) == 5), "v_phi": 2.0 + scatter[1]}
     made = {n: profile_of(v, "1") for n, v in values.items() if n not in absent}
     from harness.studies.compare.profile_quantities import QUANTITIES
 
@@ -33,16 +35,47 @@ def run(seed, *, frames=400, planted=0.0, noise=0.1, slow=False, absent=()):
     )
 
 
-def judged(*both, group="spin"):
+def judged(*both, group="spin", **settings):
     done = {"a": dict(enumerate(a for a, _ in both)), "b": dict(enumerate(b for _, b in both))}
-    return next(c for c in profile_checks([PAIR], done, RERUN) if c.quantity == f"profile: {group}")
+    return next(c for c in profile_checks([PAIR], done, RERUN, **settings) if c.quantity == f"profile: {group}")
 
 
 def test_equal_codes_agree_and_it_is_said_what_would_have_been_seen():
     check = judged((run(1), run(2)))
     assert check.verdict == "agrees"
-    assert check.deviation <= check.tolerance
-    assert "would be seen from" in check.why
+    assert check.deviation <= check.chance <= check.tolerance == 0.25
+    assert "in 75% of the cells would be seen" in check.why
+
+
+def test_agreement_needs_a_difference_of_the_margin_to_be_seen():
+    """Error bars that hide 25 % hide it, whatever else agrees; with a margin of their size they do not."""
+    noisy = (run(1, noise=1.0), run(2, noise=1.0))
+    check = judged(noisy)
+    assert check.verdict == "inconclusive"
+    assert "blind to the margin of 25 %" in check.why
+    seen = float(re.search(r"would be seen (\d+) % of spin", check.why).group(1)) / 100
+    assert 0.25 < seen < 0.6
+    assert judged(noisy, margin=1.05 * seen).verdict == "agrees"
+    assert judged(noisy, margin=0.95 * seen).verdict == "inconclusive"
+
+
+def test_what_it_would_take_is_about_enough():
+    check = judged((run(1, noise=1.0), run(2, noise=1.0)))
+    seconds = float(re.search(r"takes about (\d+) s to average over", check.why).group(1))
+    packings = int(re.search(r"about (\d+) packings of this length", check.why).group(1))
+    assert 40 < seconds < 400
+    frames = int(1.3 * seconds / 0.1)
+    assert judged((run(1, noise=1.0, frames=frames), run(2, noise=1.0, frames=frames))).verdict == "agrees"
+    many = [(run(k, noise=1.0), run(k + 500, noise=1.0)) for k in range(int(1.3 * packings))]
+    assert judged(*many).verdict == "agrees"
+
+
+def test_one_cell_further_apart_than_the_margin_is_not_passed_over():
+    """A cell whose error bars hide what it shows does not agree because the others do."""
+    wild = 1.0 + 24.0 * (np.arange(CELLS) == 5)
+    check = judged((run(1, noise=0.1 * wild), run(2, noise=0.1 * wild, hidden=0.45)))
+    assert check.verdict == "inconclusive"
+    assert "larger than the margin of 25 %, where it is not seen: spin 11 mm" in check.why
 
 
 def test_a_planted_difference_is_found_in_its_cell_only():
@@ -63,7 +96,7 @@ def test_too_few_samples_are_inconclusive_and_say_how_many_more():
 def test_error_bars_as_large_as_the_profile_show_nothing():
     check = judged((run(1, noise=20.0), run(2, noise=20.0)))
     assert check.verdict == "inconclusive"
-    assert "as large as spin itself would not be seen" in check.why
+    assert "blind to the margin" in check.why
 
 
 def test_what_nobody_has_is_not_checked_with_the_reason():

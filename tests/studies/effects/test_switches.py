@@ -9,7 +9,9 @@ from msgspec.structs import replace
 from harness.scene.grains import grains_of
 from harness.scene.load import load_scene
 from harness.scene.resolve import resolve
-from harness.studies.effects.switches import RESTITUTION, SWITCHES, NotSwitched, damping_for
+from harness.studies.effects.of_normal import RESTITUTION, damping_for
+from harness.studies.effects.switches import SWITCHES
+from harness.studies.effects.turned import NotSwitched
 from harness.studies.effects.variants import variants_of, without
 from harness.studies.prepare import Prepared
 from reference.analytic.linear_collision import LinearCollision

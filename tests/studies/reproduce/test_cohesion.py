@@ -72,7 +72,7 @@ def test_slope_of_the_cohesion():
 
 
 def test_the_decoded_table_is_that_of_the_talk():
-    """The two plateaus that the talk prints give the cohesion that it prints within two digits, and about 13 degrees."""
+    """The two plateaus that the talk prints give the cohesion that it prints, to two digits, and about 13 degrees."""
     values = published_values()
     angles = []
     for ratio in cohesion.RATIOS:

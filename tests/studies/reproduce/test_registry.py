@@ -1,4 +1,4 @@
-"""Every study declares everything: what the talk says, sizes, engines, values with their tags, and who lacks the law."""
+"""Every study declares everything: what the talk says, sizes, engines, values with their tags, who lacks the law."""
 
 import pytest
 

@@ -4,7 +4,15 @@ import numpy as np
 import pytest
 
 from harness.studies.reproduce.protocol import Measured
-from harness.studies.reproduce.rows import Spread, Within, compared, half_width, held_against, larger_than, over_packings
+from harness.studies.reproduce.rows import (
+    Spread,
+    Within,
+    compared,
+    half_width,
+    held_against,
+    larger_than,
+    over_packings,
+)
 from reference.values import collect
 
 TALK = """

@@ -93,8 +93,8 @@ def _power_words(ask: Ask, runs: Runs) -> str:
              for plan in main_plans(ask) if (found := _furthest(runs.get(plan.name, {})))]
     return (
         "Powers of r are fitted one mean diameter away from both rings; their errors are those of a jackknife over "
-        "time, as all cells rise and fall together with the torque. sigma_rphi ~ r^-2 is the balance of torque and "
-        "holds for any material; sigma_rr ~ r^0 needs sigma_phiphi = sigma_rr besides, which is a property of this one. "
+        "time, as all cells rise and fall together with the torque. sigma_rphi ~ r^-2 is the balance of torque, which "
+        "holds for any material; sigma_rr ~ r^0 needs sigma_phiphi = sigma_rr besides, a property of this one. "
         + "; ".join(parts) + "."
     )
 

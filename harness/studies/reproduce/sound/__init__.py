@@ -15,7 +15,7 @@ from harness.studies.accuracy.oracle import convention_of
 from harness.studies.reproduce.protocol import Ask, Declared, Result, Study
 from harness.studies.reproduce.rows import over_packings
 from harness.studies.reproduce.runs import run_cases, study_runs, unsupported
-from harness.studies.reproduce.sound.cases import EXTENTS, SMOOTH, Setting, cases_of, settings_of
+from harness.studies.reproduce.sound.cases import EXTENTS, SMOOTH, Setting, cases_of, made_cases, settings_of
 from harness.studies.reproduce.sound.charts import charts, decay_over_frequency
 from harness.studies.reproduce.sound.measure import P, S, SoundRun, closed_form, measure_sound
 from harness.studies.reproduce.sound.numbers import (
@@ -43,7 +43,7 @@ def run(ask: Ask) -> Result:
     """Run all columns; speeds, dispersion and pulses against the closed form, and what disorder does."""
     settings = settings_of(ask)
     named = {s.name: s for s in settings}
-    made = run_cases(ask, cases_of(ask), lambda case, trajectory, system: measure_sound(
+    made = run_cases(ask, made_cases(ask), lambda case, trajectory, system: measure_sound(
         named[case.name], trajectory, system))
     runs = runs_by_case(made)
     return Result(

@@ -8,8 +8,10 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+from msgspec.structs import replace
 
 from harness.scene.load import load_scene
+from harness.scene.model import Numerics
 from harness.studies.reproduce.protocol import Ask, Case, Size
 from harness.studies.reproduce.sound.column import Column, Kick, Look, Material, write_scene
 from harness.studies.reproduce.sound.disorder import Sample, relaxed_sample
@@ -92,24 +94,42 @@ def settings_of(ask: Ask) -> list[Setting]:
 
 
 def cases_of(ask: Ask) -> Sequence[Case]:
-    """Write the scenes below ``ask.out/scenes`` and return them as cases; any command takes their files."""
-    return [_case(ask, setting) for setting in settings_of(ask)]
+    """Return the cases as far as they are known before any packing is at rest: each with the regular column's places.
+
+    They take as long to run as those that `made_cases` returns.
+    """
+    first = {s.rough: s for s in reversed(settings_of(ask)) if not s.width}
+    files = {rough: _written(ask, s) for rough, s in first.items()}
+    scenes = {rough: load_scene(file) for rough, file in files.items()}
+    return [
+        Case(
+            name=s.name, file=files[s.rough], packings=1,
+            scene=replace(scenes[s.rough], title=_title(s), numerics=Numerics(dt_fraction=s.dt_fraction)),
+        )
+        for s in settings_of(ask)
+    ]
 
 
-def _case(ask: Ask, setting: Setting) -> Case:
+def made_cases(ask: Ask) -> Sequence[Case]:
+    """Bring all packings to rest, write the scenes below ``ask.out/scenes``, for any command to take; return the cases."""
+    files = {s.name: _written(ask, s) for s in settings_of(ask)}
+    return [Case(name=name, scene=load_scene(file), file=file, packings=1) for name, file in files.items()]
+
+
+def _written(ask: Ask, setting: Setting) -> Path:
     extent, column, sample = EXTENTS[ask.size], setting.column, setting.packing()
-    look = Look(duration=extent.crossings * column.box[2] / column.material.waves().shear_speed, frames=extent.frames,
-                dt_fraction=setting.dt_fraction)
-    name = f"sound_{ask.size}_{setting.word}"
-    path = _written(ask.out / "scenes", name, setting, look, sample)
-    return Case(name=setting.name, scene=load_scene(path), file=path, packings=1)
-
-
-def _written(folder: Path, name: str, setting: Setting, look: Look, sample: Sample) -> Path:
+    look = Look(
+        duration=extent.crossings * column.box[2] / column.material.waves().shear_speed, frames=extent.frames,
+        dt_fraction=setting.dt_fraction,
+    )
     return write_scene(
-        folder, name, f"Sound in a column of spheres: {setting.name}", setting.column, setting.kick(), look,
+        ask.out / "scenes", f"sound_{ask.size}_{setting.word}", _title(setting), column, setting.kick(), look,
         places=sample.places, radius=sample.radius,
     )
+
+
+def _title(setting: Setting) -> str:
+    return f"Sound in a column of spheres: {setting.name}"
 
 
 @cache
