@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 
 FINEST = TARGETS[-1]
 
+VAGUE = 0.25
+"""Standard error of an order beyond which it tells first from second order no more; the table shows it all the same."""
+
 
 def paragraph(accuracy: Accuracy) -> str:
     """Return the findings, a sentence each, leaving out what was not found."""
@@ -28,6 +31,8 @@ def paragraph(accuracy: Accuracy) -> str:
 def _slopes(accuracy: Accuracy, case: str) -> str:
     quantity = accuracy.asked.quantity
     fits = {t.engine: fit for t in accuracy.tracks if t.case == case and (fit := t.fits.get(quantity))}
+    vague = [engine for engine, fit in fits.items() if fit.error > VAGUE]
+    fits = {engine: fit for engine, fit in fits.items() if engine not in vague}
     if not fits:
         return ""
     told = ", ".join(f"{fit} ({', '.join(engines)})" for fit, engines in _alike(fits).items())
@@ -61,7 +66,10 @@ def _steps_needed(accuracy: Accuracy) -> str:
     others = ", ".join(f"{n / steps[least]:.3g} times as many by {t.engine} ({n:.3g})"
                        for t, n in steps.items() if t is not least)
     price = _price(steps, least)
-    return f"An error of {percent(FINEST)} takes {steps[least]:.3g} steps by {least.engine}, {others}{price}."
+    return (
+        f"Between rungs, where the ladders reach an error of {percent(FINEST)}, it takes {steps[least]:.3g} steps by "
+        f"{least.engine}, {others}{price}."
+    )
 
 
 def _price(steps: dict[Track, float], least: Track) -> str:
@@ -76,18 +84,21 @@ def _cheapest(accuracy: Accuracy, target: float) -> str:
     if choice.point is None:
         return f"No timed setting of this ladder stays below {percent(target)}."
     return (
-        f"Cheapest below {percent(target)}: {choice.track.engine} at dt_fraction = {choice.point.value:g}, "
+        f"Cheapest rung below {percent(target)}: {choice.track.engine} at dt_fraction = {choice.point.value:g}, "
         f"{1e3 * choice.point.seconds:.2g} ms."
     )
 
 
 def _floor(accuracy: Accuracy) -> str:
-    parted = max((t.parted.get(accuracy.asked.quantity, 0.0) for t in accuracy.declared), default=0.0)
-    if parted == 0.0:
+    """Say how far the limits of the codes' own laws are from that of the talk's: no step mends that."""
+    quantity = accuracy.asked.quantity
+    apart = {t.engine: off for t in accuracy.declared if (off := t.parted.get(quantity, 0.0)) > 0.0}
+    if not apart:
         return ""
+    told = ", ".join(f"{percent(off)} ({engine})" for engine, off in apart.items())
     return (
-        f"Even without any error of the step the codes' laws give answers up to {percent(parted)} apart: below that a "
-        "smaller step brings no two codes nearer to each other."
+        f"Errors are against each code's own laws. Without any error of the step these give answers that are {told} "
+        "from those of the talk's laws: a smaller step does not bring them nearer."
     )
 
 

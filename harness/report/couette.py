@@ -107,7 +107,8 @@ def _between_codes(comparison: Comparison) -> list[Section]:
     note = (
         f"Numbers, and of every profile its mean over the cells: what all cells differ by, which tests of single cells "
         f"do not see. Differences are parts of the number, of a mean over cells of the profile's size (its root mean "
-        f"square; of the volume fraction that of its variation over r, as its mean is set by the scene). {how} "
+        f"square; of the volume fraction that of its variation over r, as its mean is set by the scene). Errors of v_0 "
+        f"and s are those of the same fit to another time; what one exponential misses is in both sides alike. {how} "
         f"{error_rates(terms, len(judged))}\n{looking_again(terms)}"
     )
     return [Section(heading="Numbers of codes beside each other", note=note, rows=replicate_page_rows(judged))]
@@ -139,15 +140,15 @@ def _profile_note(comparison: Comparison) -> str:
     runs = [p for of in comparison.result.profiles.values() for p in of.values()]
     absent = {name: why for p in runs for name, why in p.absent.items()}
     missing = "".join(f" Not available: {name}, as {why}." for name, why in absent.items())
-    several = len(comparison.starts) > 1
+    several, declared = len(comparison.starts) > 1, comparison.scene.compare
     error = "over packings" if several else "of the time average, which knows of autocorrelation"
     return (
         f"Means over {runs[0].frames} frames in {len(runs[0].r)} concentric rings, discs cut by borders by their "
         f"area; bands are one standard error {error}. Ratios, deviators and angles are formed from averages. "
         "Runs of one packing are the same numbers until chaos parts them, and independent afterwards; what is judged "
-        f"counts them as independent. In a whole comparison of equal codes a profile is falsely said to differ in a "
-        f"cell with a probability of {comparison.scene.compare.false_alarms:g} at most. Profiles agree where no cell differs and a difference of "
-        f"{100 * comparison.scene.compare.margin:g} % of the profile's size would have been seen in {MOST:.0%} of the "
+        "counts them as independent. In a whole comparison of equal codes a profile is falsely said to differ in a "
+        f"cell with a probability of {declared.false_alarms:g} at most. Profiles agree where no cell differs, a "
+        f"difference of {100 * declared.margin:g} % of the profile's size would have been seen in {MOST:.0%} of the "
         f"cells, in each with a probability of {POWER:g}, and no cell is further apart than that.{missing}"
     )
 

@@ -15,13 +15,21 @@ from harness.report.failures import entries
 from harness.report.matrix import matrices
 from harness.report.page import Entry, Figure, Section, render_page, words
 from harness.report.reproduce_figures import draw
-from harness.report.reproduce_tables import chart_csv, rate_rows, run_rows, study_rows, value_rows
+from harness.report.reproduce_tables import (
+    chart_csv,
+    compact_rates,
+    compact_rows,
+    rate_rows,
+    run_rows,
+    study_rows,
+    value_rows,
+)
 from harness.report.tables import Answer, csv_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from harness.studies.reproduce.protocol import Ask, Picture, Result, Study
+    from harness.studies.reproduce.protocol import Ask, Picture, Result, Row, Study
 
 PAGE, DATA, ROWS, RATES = "report.html", "report.json", "rows.csv", "rates.csv"
 SCREEN, SMALL = 130, 90
@@ -36,6 +44,7 @@ RATE_NOTE = (
     "The study's own convergence: the same quantity at several settings, the coarsest first. Number: what tends to 0 "
     "in the limit. The error of a change is taken packing by packing where the same packings were used."
 )
+DISCUSSION, CONVERGENCE = "What it says", "Convergence"
 CHECK_NOTE = "The codes among each other, and properties that each run must have."
 
 
@@ -48,11 +57,11 @@ def study_list(studies: Sequence[Study]) -> Answer:
 
 def reproduce_answer(study: Study, ask: Ask, result: Result) -> Answer:
     """Return the tables for people and everything for programs."""
-    rows = [
-        {k: r[k] for k in ("verdict", "quantity", "engine", "talk", "known", "ours", "error", "packings", "why")}
-        for r in value_rows(result.rows)
-    ]
-    tables = {f"{study.title}: {study.source}": rows, "Convergence": _shown_rates(result)}
+    tables = {
+        f"{study.title}: {study.source}": compact_rows(_held(result)),
+        "Numbers that the talk does not print": compact_rows(_free(result)),
+        CONVERGENCE: compact_rates(result.rates),
+    }
     return Answer(tables={k: v for k, v in tables.items() if v}, data=reproduce_data(study, ask, result))
 
 
@@ -150,14 +159,20 @@ def _counts(counts: Counter) -> str:
 
 
 def _sections(study: Study, ask: Ask, result: Result, figures: tuple[Figure, ...]) -> list[Section]:
+    held, free = _held(result), _free(result)
     failed = (*entries(result.checks, result.runs), *_unsupported(result.unsupported))
     found = [
-        Section(heading="The talk and ours", note=VALUE_NOTE, rows=value_rows(result.rows)),
+        Section(heading=DISCUSSION, note="\n\n".join(result.words)),
+        Section(heading="The talk and ours", note=VALUE_NOTE, rows=compact_rows(held)),
         Section(heading="Pictures", figures=figures),
-        Section(heading="What it says", note="\n\n".join(result.words)),
-        Section(heading="Convergence", note=f"{result.rate_words} {RATE_NOTE}", rows=_shown_rates(result)),
+        Section(heading="Numbers that the talk does not print", rows=compact_rows(free)),
+        Section(
+            heading=CONVERGENCE, note=f"{result.rate_words} {RATE_NOTE if result.rates else ''}",
+            rows=compact_rates(result.rates) or None,
+        ),
         *(Section(heading=name, rows=list(rows)) for name, rows in result.tables.items()),
         Section(heading="Checks", note=CHECK_NOTE, matrices=matrices(result.checks, (r.engine for r in result.runs))),
+        Section(heading="All rows", rows=value_rows(result.rows)),
         Section(heading="All checks", rows=[asdict(c) for c in result.checks]),
         Section(heading="What failed, and what cannot be computed", entries=failed),
         Section(heading="Time and cost", note=COST_NOTE, rows=cost_rows(result.runs)),
@@ -166,16 +181,28 @@ def _sections(study: Study, ask: Ask, result: Result, figures: tuple[Figure, ...
         Section(heading="Runs", rows=run_rows(result.runs)),
         Section(heading="Reproduce", text=command(study, ask)),
     ]
-    return [s for s in found if any((s.note and s.rows is None, s.rows, s.matrices, s.entries, s.figures, s.text))
-            or (s.note and s.rows is not None and s.heading == "Convergence")]
+    return [s for s in found if _says_something(s)]
+
+
+def _says_something(section: Section) -> bool:
+    """Whether there is more than a note; the discussion and the convergence are notes first of all."""
+    if section.heading in (DISCUSSION, CONVERGENCE):
+        return bool(section.note.strip())
+    return bool(section.rows or section.matrices or section.entries or section.figures or section.text)
 
 
 def _unsupported(found: Mapping[str, str]) -> tuple[Entry, ...]:
     return tuple(Entry(word="unsupported", title=engine, why=why) for engine, why in found.items())
 
 
-def _shown_rates(result: Result) -> list[dict]:
-    return rate_rows(result.rates)
+def _held(result: Result) -> list[Row]:
+    """Rows that are held against a value."""
+    return [r for r in result.rows if r.talk is not None]
+
+
+def _free(result: Result) -> list[Row]:
+    """Rows for which the talk prints none."""
+    return [r for r in result.rows if r.talk is None]
 
 
 def _is_chart(picture: Picture) -> bool:

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Hashable, Iterable, Sequence
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
+from harness.report.matrix import SEVERITY
 from harness.report.tables import csv_text
 from postproc.results import headed
 
 if TYPE_CHECKING:
     from harness.studies.reproduce.protocol import Chart, Measured, RatePoint, Row, Study, StudyRun
+
+
+T = TypeVar("T")
 
 
 def tag(row: Row) -> str | None:
@@ -35,6 +39,54 @@ def value_rows(rows: Sequence[Row]) -> list[dict]:
         }
         for r in rows
     ]
+
+
+def compact_rows(rows: Sequence[Row]) -> list[dict]:
+    """One row a quantity, a column an engine, and the worst verdict of them with its reason: for reading.
+
+    Without the talk's columns where no row has a value of the talk.
+    """
+    engines = list(dict.fromkeys(r.ours.engine for r in rows))
+    held = any(r.talk is not None for r in rows)
+    found = []
+    for same in _together(rows, lambda r: (r.quantity, r.unit)):
+        first, by_engine = same[0], {r.ours.engine: r for r in same}
+        worst = max(same, key=lambda r: SEVERITY[r.verdict])
+        talk = {"talk": None if first.talk is None else f"{first.talk.value:g}", "known": tag(first)} if held else {}
+        found.append({
+            "quantity": headed(first.quantity, first.unit), **talk,
+            **{e: _said(by_engine[e].ours) if e in by_engine else None for e in engines},
+            **({"verdict": worst.verdict, "why": worst.why} if held else {}),
+        })
+    return found
+
+
+def compact_rates(points: Sequence[RatePoint]) -> list[dict]:
+    """One row a quantity and setting, a column an engine: for reading."""
+    engines = list(dict.fromkeys(p.ours.engine for p in points))
+    found = []
+    for same in _together(points, lambda p: (p.quantity, p.setting)):
+        by_engine = {p.ours.engine: p.ours for p in same}
+        found.append({
+            "quantity": headed(same[0].quantity, same[0].unit), "setting": same[0].setting, "number": same[0].number,
+            **{e: _said(by_engine[e]) if e in by_engine else None for e in engines},
+        })
+    return found
+
+
+def _together(items: Iterable[T], key: Callable[[T], Hashable]) -> list[list[T]]:
+    """Return the items of one key together, keys in the order in which they first occur."""
+    found: dict[Hashable, list[T]] = {}
+    for item in items:
+        found.setdefault(key(item), []).append(item)
+    return list(found.values())
+
+
+def _said(ours: Measured) -> str:
+    """Write a number with its error, if there is one."""
+    if not np.isfinite(ours.value):
+        return "not known"
+    return f"{ours.value:.4g}" if not ours.error else f"{ours.value:.4g} ± {ours.error:.2g}"
 
 
 def rate_rows(points: Sequence[RatePoint]) -> list[dict]:

@@ -312,9 +312,10 @@ class RingCompare(Table):
 
     Profiles are averages over the frames from `steady_from` (s) on, in `cells` concentric rings; `band` is the distance
     from the inner ring (m) up to which the velocity is fitted by v_0 exp(-(r - R_i)/s). `packings` and `replicates` as
-    in `Compare`. With a probability of `false_alarms` any of equal codes is said to differ in any cell of any profile, and
-    with as much in any number or mean over cells. Codes agree in a profile in which no difference is seen where one of `margin` of its size would have
-    been, and in a number whose difference is shown to be smaller than `margin` of it.
+    in `Compare`. With a probability of `false_alarms` any of equal codes is said to differ in any cell of any profile,
+    and with as much in any number or mean over cells. Codes agree in a profile in which no difference is seen where one
+    of `margin` of its size would have been, and in a number whose difference is shown to be smaller than `margin` of
+    it.
     """
 
     steady_from: NonNegative

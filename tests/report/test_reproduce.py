@@ -14,7 +14,7 @@ from harness.report.reproduce import (
 )
 from harness.report.reproduce_figures import draw
 from harness.report.reproduce_keep import check_keep_place
-from harness.report.reproduce_tables import chart_csv, rate_rows, value_rows
+from harness.report.reproduce_tables import chart_csv, compact_rates, compact_rows, rate_rows, value_rows
 from harness.studies.reproduce.protocol import (
     Ask,
     Chart,
@@ -155,4 +155,14 @@ def test_answers(study, ask, result):
     answer = reproduce_answer(study, ask, result)
     assert answer.data["unsupported"] == {"lammps": "has no such law"}
     assert answer.data["command"].startswith("grainproof reproduce angle --size quick")
-    assert len(next(iter(answer.tables.values()))) == 3
+    assert list(answer.tables) == ["An angle: a talk, page 7", "Numbers that the talk does not print", "Convergence"]
+
+
+def test_the_page_shows_engines_side_by_side(result):
+    (row,) = compact_rows(result.rows[:2])
+    assert (row["talk"], row["known"]) == ("13", "seen")
+    assert row["kernel:talk"] == "13.03 ± 0.088"
+    assert (row["verdict"], row["liggghts"]) == ("differs", "20.1 ± 0.058")  # the worst of both
+    (free,) = compact_rows(result.rows[2:])
+    assert "talk" not in free
+    assert [r["kernel:talk"] for r in compact_rates(result.rates)] == ["11.5 ± 0.5", "12.5 ± 0.5"]

@@ -5,8 +5,8 @@ over its cells is compared, over the profile's size: a common offset, which no t
 smaller than their errors. Its own error is that of the series of this mean.
 
 All are judged as quantities over replicates are (`harness.studies.statistics.family`): a difference is seen at
-`false_alarms` for the whole family (Holm), and codes agree in what is shown to differ by less than the margin, at the same
-level for all. Over packings errors are those of the differences packing by packing. With a single packing they are
+`false_alarms` for the whole family (Holm), and codes agree in what is shown to differ by less than the margin, at the
+same level for all. Over packings errors are those of the differences packing by packing. With a single packing they are
 those of time averages, pooled over all runs, that know of autocorrelation; from fewer autocorrelation times than they
 need nothing is concluded.
 """

@@ -19,6 +19,7 @@ from harness.scene.contact import (
     SpringSliding,
     ViscousSliding,
 )
+from reference.analytic.hertz_collision import HertzCollision, damping_factor_for_restitution
 
 RADIUS, MASS, STIFFNESS = 1e-3, 1e-5, 1e4
 """m, kg, N/m: the unit of time sqrt(m/k) is 3.2e-5 s."""
@@ -62,12 +63,18 @@ def spring(*, ratio: float = RATIO, damping: float = 0.0, friction: float = GRIP
 def hertz(restitution: float) -> HertzNormal:
     """The modulus at which the slope of the force is STIFFNESS where linear springs overlap by OVERLAP RADIUS.
 
-    Slope 2 E* sqrt(R* d) of two of RADIUS, E* = E/(2 (1 - nu^2)).
+    Slope 2 E* sqrt(R* d) of two of RADIUS, E* = E/(2 (1 - nu^2)). An impact at `impact_speed` is as deep (d goes with
+    v^(4/5)), so that the formula of scenes sees the springs that there are.
     """
-    nu = 0.3
-    modulus = STIFFNESS * (1 - nu**2) / math.sqrt(RADIUS / 2 * OVERLAP * RADIUS)
+    nu, overlap = 0.3, OVERLAP * RADIUS
+    modulus = STIFFNESS * (1 - nu**2) / math.sqrt(RADIUS / 2 * overlap)
+    impact = HertzCollision(
+        stiffness=STIFFNESS / (1.5 * math.sqrt(overlap)), reduced_mass=MASS / 2,
+        damping_factor=damping_factor_for_restitution(restitution),
+    )
     return HertzNormal(
-        youngs_modulus=modulus, poisson_ratio=nu, restitution=restitution, attraction="allowed", impact_speed=1e-3,
+        youngs_modulus=modulus, poisson_ratio=nu, restitution=restitution, attraction="allowed",
+        impact_speed=(overlap / impact.largest_overlap(1.0)) ** 1.25,
     )
 
 

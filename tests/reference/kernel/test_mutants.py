@@ -136,7 +136,7 @@ def check_boundary(dem):
 
 def check_fast_particle(dem):
     """Three skins a step towards a resting one, listed or not."""
-    m = dem.model([[0.0, 0.0], [8.0, 0.0]], v=[[700.0, 0.0], [0.0, 0.0]])
+    m = dem.model([[0.0, 0.0], [8.0, 0.0]], v=[[700.0, 0.0], [0.0, 0.0]], kn=4e6)
     assert abs(dem.run(dem.Simulation(m), 30).state.v[0, 1]) > 1.0
 
 

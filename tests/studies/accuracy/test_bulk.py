@@ -144,8 +144,8 @@ def test_every_quantity_of_a_kind_is_known_by_name(climbed, file, out):
     scene = load_scene(file)
     system = plan(scene, file, climbed.asked, 3, out / "packings").settings[1].systems[0]
     names = {b.name for b in BULK[type(scene)]}
-    for folder in (out / "runs").glob("box-*"):
-        trajectory = read_trajectory(folder / "trajectory.h5")
+    for made in sorted((out / "runs").glob("box-*/trajectory.h5")):
+        trajectory = read_trajectory(made)
         if trajectory.frames[0].particles["x"][0] == system.particles.x[0, 0]:
             found = bulk_values(scene, system, trajectory, {0.0: None})[0.0]
             assert set(found) <= names

@@ -111,7 +111,7 @@ def cases_of(ask: Ask) -> Sequence[Case]:
 
 
 def made_cases(ask: Ask) -> Sequence[Case]:
-    """Bring all packings to rest, write the scenes below ``ask.out/scenes``, for any command to take; return the cases."""
+    """Bring all packings to rest, write the scenes below ``ask.out/scenes`` for any command, and return the cases."""
     files = {s.name: _written(ask, s) for s in settings_of(ask)}
     return [Case(name=name, scene=load_scene(file), file=file, packings=1) for name, file in files.items()]
 
