@@ -74,7 +74,7 @@ def _draw_shares(axes, stability: Stability) -> None:
     axes.grid(axis="both", color="#e4e4e4", lw=0.6)
     axes.set_axisbelow(True)
     axes.set_xlabel("largest invariant over its tolerance")
-    axes.legend(fontsize=8, loc="lower left")
+    axes.legend(fontsize=8, loc="upper right")
 
 
 def _share(stability: Stability, case: str, engine: str) -> float | None:

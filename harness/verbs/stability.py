@@ -19,7 +19,7 @@ def add(verbs) -> None:
     add_names(verb, "engine", "default: lammps,liggghts,kernel:talk")
     verb.add_argument("--workers", type=as_count, metavar="N", help="runs at a time; default: the number of cores")
     verb.add_argument("--out", type=as_folder, default=OUT, metavar="DIR", help="default: %(default)s")
-    verb.add_argument("--time-limit", type=as_seconds, default=600.0, metavar="S", help="a run; default: %(default)g")
+    verb.add_argument("--time-limit", type=as_seconds, default=1800.0, metavar="S", help="a run; default: %(default)g")
 
 
 def _stability(options) -> int:

@@ -312,9 +312,14 @@ def _read(place: Path, what: str, option: str) -> Mapping:
 
 
 def _require_same_scene(scene: Scene, data: Mapping, place: Path, option: str) -> None:
-    """Titles do not matter, and not what only `compare` judges by."""
-    ours = json.loads(json.dumps(msgspec.to_builtins(scene)))
-    other = {k for k in {*ours, *data["scene"]} - {"title", "compare"} if ours.get(k) != data["scene"].get(k)}
+    """Titles do not matter, and not what only `compare` judges by; what the study's version did not know is absent."""
+    try:
+        theirs = msgspec.convert(data["scene"], Scene)
+    except msgspec.ValidationError as error:
+        raise InputError(file=place, expected="a study of a scene", got=f"another ({error})") from None
+    names = {"kind", *type(scene).__struct_fields__} - {"title", "compare"}
+    kind = {"kind"} if type(theirs) is not type(scene) else set()
+    other = kind or {n for n in names - {"kind"} if getattr(scene, n) != getattr(theirs, n)}
     if other:
         raise InputError(
             file=option, expected="a study of this scene", got=f"{place}, whose {', '.join(sorted(other))} differ",

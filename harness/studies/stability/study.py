@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 USUAL = ("lammps", "liggghts", "kernel:talk")
 """The codes, and the kernel with the laws of the talks."""
 
-TIME_LIMIT = 600.0
+TIME_LIMIT = 1800.0
 
 
 @dataclass(frozen=True, kw_only=True)

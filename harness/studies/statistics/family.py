@@ -219,8 +219,8 @@ class Judged:
     def settle(self) -> Replicates | None:
         """Replicates that would see a difference as large as this, or show that it is small, whichever are fewer.
 
-        None of a check that is settled, whose errors are not to be trusted, or when neither is known to do. The interval is that of the scatter alone,
-        nu s^2/sigma^2 ~ chi^2_nu; the difference itself is taken as it was found.
+        None of a check that is settled, whose errors are not to be trusted, or when neither is known to do. The
+        interval is that of the scatter alone, nu s^2/sigma^2 ~ chi^2_nu; the difference is taken as it was found.
         """
         d = self.tested.difference
         if self.verdict != "inconclusive" or self.tested.doubt or d.error == 0.0:
