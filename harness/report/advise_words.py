@@ -45,7 +45,7 @@ def limits(advice: Advice) -> list[str]:
     if choice is not None:
         told = told_errors(evidence, choice.engine)
         found += [f"Averaging over {r.value:g} leaves {100 * r.error:+.2g} +- {100 * r.bar:.2g} % against no width; "
-                  "that belongs to what the quantity is, and is not counted." for r in told.values()]
+                  "that belongs to what the quantity is, and is not counted." for r in told.values() if r.error or r.bar]
         if choice.extrapolated:
             found.append(f"{', '.join(choice.extrapolated)} lies beyond what was run: climb that rung to be sure.")
         failed = {k: evidence.ladders[choice.engine][k].failed for k in choice.rungs}

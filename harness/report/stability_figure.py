@@ -74,7 +74,7 @@ def _draw_shares(axes, stability: Stability) -> None:
     axes.grid(axis="both", color="#e4e4e4", lw=0.6)
     axes.set_axisbelow(True)
     axes.set_xlabel("largest invariant over its tolerance")
-    axes.legend(fontsize=8, loc="upper right")
+    axes.legend(fontsize=8, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=len(stability.engines), frameon=False)
 
 
 def _share(stability: Stability, case: str, engine: str) -> float | None:

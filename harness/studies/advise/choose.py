@@ -19,7 +19,11 @@ from harness.studies.advise.scene import Settings
 
 FINER = (2.0, 4.0, 8.0)
 FARTHEST = FINER[-1]
-"""Times beyond the finest rung, in x: further nothing is foretold."""
+"""Times beyond the finest rung, in the knob's value: further nothing is foretold."""
+
+TIME = {"dt": 1.0, "stiffness": 0.5, "rate": 1.0, "size": 1.0}
+"""Least power of the value by which the time of a run grows or falls: steps go with 1/dt, sqrt(k), 1/rate, and each with
+the particles. Small systems show less, as other costs hide it; further out they do not."""
 
 EFFECTS = "effects"
 
@@ -97,6 +101,18 @@ def parts_of(evidence: Evidence, engine: str, rungs: Mapping[str, Rung]) -> list
     return made
 
 
+def spread_at(evidence: Evidence, engine: str, size: Rung | None) -> float:
+    """Return the scatter of one packing, over the scale: s sqrt(N) of all sizes together, over sqrt(N).
+
+    Each size tells its scatter from few packings; the one that happens to be smallest is no better known than others.
+    """
+    ladder = evidence.ladders[engine].get("size")
+    told = [(r.value, r.spread) for r in ladder.rungs if r.spread is not None] if ladder is not None else []
+    if size is None or not told:
+        return evidence.spread[engine] or 0.0
+    return math.sqrt(sum(n * s * s for n, s in told) / len(told) / size.value)
+
+
 def counted_rung(ladder: KnobLadder, rung: Rung) -> Rung:
     """Return the rung whose error counts: the rung itself, or a finer one whose seen error is larger.
 
@@ -112,10 +128,7 @@ def _choice(
     ladders = [evidence.ladders[engine][knob] for knob in rungs]
     parts = parts_of(evidence, engine, rungs)
     parts += [effects] if effects is not None else []
-    spread = evidence.spread[engine] or 0.0
-    if "size" in rungs and rungs["size"].spread is not None and not rungs["size"].declared:
-        spread = rungs["size"].spread
-    combined = total(parts, spread)
+    combined = total(parts, spread_at(evidence, engine, rungs.get("size")))
     return Choice(
         engine=engine, rungs=rungs, parts=tuple(parts), total=combined,
         without=evidence.reduced.names if effects is not None else (),
@@ -138,9 +151,9 @@ def _rungs(evidence: Evidence, ladder: KnobLadder, *, farther: bool) -> list[Run
 
 
 def finer_rungs(evidence: Evidence, ladder: KnobLadder) -> list[Rung]:
-    """Return rungs beyond the finest one: e ~ x^p with the order of the limit, time by the power of the last two rungs.
+    """Return rungs beyond the finest one: e ~ x^p with the order of the limit, time by a power of the value.
 
-    None where the ladder shows no error that falls like a power, or no order. The standard error is that of the finest
+    The power is that of the last two rungs, at least that of TIME. None where the ladder shows no error that falls like a power, or no order. The standard error is that of the finest
     rung's error, as the limit is known no better, and the power is not assumed to bring it down.
     """
     if len(ladder.rungs) < 2 or ladder.state != "extrapolated" or not ladder.order >= LEAST:
@@ -149,25 +162,19 @@ def finer_rungs(evidence: Evidence, ladder: KnobLadder) -> list[Rung]:
     if not seen:
         return []
     reference, (before, last) = seen[-1], ladder.rungs[-2:]
-    power = math.log(last.seconds / before.seconds) / math.log(before.x / last.x)
+    shown = math.log(last.seconds / before.seconds) / abs(math.log(last.value / before.value))
+    power, x_of = max(shown, TIME[ladder.knob]), KNOBS[type(evidence.scene)][ladder.knob].x
+    grows = x_of(2.0 * last.value) < x_of(last.value)
     found = []
     for factor in FINER:
-        x = last.x / factor
+        value = last.value * factor if grows else last.value / factor
+        x = x_of(value)
         found.append(replace(
-            last, value=_value(evidence, ladder, last, x), x=x, declared=False, origin="extrapolated",
+            last, value=value, x=x, declared=False, origin="extrapolated", spread=None,
             error=reference.error * (x / reference.x) ** ladder.order, seconds=last.seconds * factor**power,
-            spread=None if last.spread is None or ladder.knob != "size" else last.spread / factor,
-            how=f"error ~ x^{ladder.order:.2g} from {reference.value:.4g}, time ~ x^{-power:.2g} from the last two",
+            how=f"error ~ x^{ladder.order:.2g} from {reference.value:.4g}, time by a power {power:.2g} of the value",
         ))
     return found
-
-
-def _value(evidence: Evidence, ladder: KnobLadder, last: Rung, x: float) -> float:
-    """Return the value of a knob at x: x is the value itself, its inverse or its inverse root."""
-    knob = KNOBS[type(evidence.scene)][ladder.knob]
-    rising = knob.x(4.0 * last.value) / knob.x(last.value)
-    value = last.value * (x / last.x) ** (math.log(4.0) / math.log(rising))
-    return float(round(value)) if knob.whole else value
 
 
 def _cost(choice: Choice) -> tuple[float, float]:

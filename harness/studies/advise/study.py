@@ -12,7 +12,7 @@ from functools import partial
 
 from harness.errors import InputError
 from harness.scene.model import Scene
-from harness.studies.advise.choose import Choice, best_known, choose, parts_of
+from harness.studies.advise.choose import Choice, best_known, choose, parts_of, spread_at
 from harness.studies.advise.combine import Total, total
 from harness.studies.advise.evidence import DECIDED, TOLD, Evidence, Rung
 from harness.studies.advise.scene import advised_scene, can_run
@@ -89,7 +89,7 @@ def advise(evidence: Evidence, tolerance: float) -> Advice:
 def declared_total(evidence: Evidence, engine: str) -> Total | None:
     """Return the error of the scene as declared, of the knobs that have their own setting on their ladder."""
     own = {k: la.own for k, la in evidence.ladders[engine].items() if k in DECIDED and la.own is not None}
-    return total(parts_of(evidence, engine, own), evidence.spread[engine] or 0.0) if own else None
+    return total(parts_of(evidence, engine, own), spread_at(evidence, engine, own.get("size"))) if own else None
 
 
 def told_errors(evidence: Evidence, engine: str) -> Mapping[str, Rung]:

@@ -11,6 +11,9 @@ from harness.scene.write import write_scene
 from harness.studies.advise import advise, choose, read_evidence
 from harness.studies.advise.combine import Part, Total, total
 
+SCALE = 25.0
+"""Of the made-up quantity, see conftest."""
+
 DT = {0.06: (0.02, 0.0, 7.5), 0.045: (0.015, 0.0, 10.0), 0.03: (0.01, 0.0, 15.0), 0.015: (0.005, 0.0, 30.0)}
 """error = f/3, seconds = 0.45/f; 0.06 is beyond the stability limit of this scene (0.0536)."""
 
@@ -89,6 +92,15 @@ def test_larger_samples_scatter_less_and_cost_more(study, file):
     for ladder, count, packings in ((dear, 200.0, 16), (cheap, 800.0, 4)):
         advice = asked(study({"size": ladder}, spread=0.04), file, 0.01)
         assert (values(advice)["size"], advice.choice.packings) == (count, packings)
+
+
+def test_scatter_is_that_of_all_sizes_together(study, file):
+    """Told by 200 and 800 as 0.04 and 0.02, it is 0.02 at 800 whatever one of them says by chance."""
+    made = study({"size": {200.0: (0.0, 0.0, 10.0), 800.0: (0.0, 0.0, 30.0)}}, spread=0.04)
+    made._each = lambda name, value: [SCALE - d, SCALE + d] if (d := 1e-9 if value == 200.0 else 0.4) else None
+    advice = asked(made, file, 0.05)
+    told = math.sqrt(800.0 * (0.4 * math.sqrt(2.0) / SCALE) ** 2 / 2.0)
+    assert math.isclose(advice.choice.total.spread, told / math.sqrt(200.0), rel_tol=1e-6)
 
 
 def test_noise_adds_in_quadrature(study, file):
