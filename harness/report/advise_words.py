@@ -29,6 +29,7 @@ def limits(advice: Advice) -> list[str]:
         "the advised scene before relying on it.",
         "Errors are those of one engine against the limits of its own ladders: what its model leaves out is not in "
         "them.",
+        "Of many settings with noisy errors the one that looks cheapest looks better than it is, on average.",
     ]
     if not evidence.free:
         found.append(
@@ -44,8 +45,9 @@ def limits(advice: Advice) -> list[str]:
         found.append(f"Not measured, so in no sum: {', '.join(missing)}.")
     if choice is not None:
         told = told_errors(evidence, choice.engine)
+        shown = [r for r in told.values() if r.error or r.bar]
         found += [f"Averaging over {r.value:g} leaves {100 * r.error:+.2g} +- {100 * r.bar:.2g} % against no width; "
-                  "that belongs to what the quantity is, and is not counted." for r in told.values() if r.error or r.bar]
+                  "that belongs to what the quantity is, and is not counted." for r in shown]
         if choice.extrapolated:
             found.append(f"{', '.join(choice.extrapolated)} lies beyond what was run: climb that rung to be sure.")
         failed = {k: evidence.ladders[choice.engine][k].failed for k in choice.rungs}

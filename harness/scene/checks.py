@@ -149,7 +149,10 @@ def published_values_exist(scene: Biaxial) -> Iterator[Fault]:
     for i, name in enumerate(scene.compare.published):
         place = f"compare.published[{i}]"
         if name not in known:
-            yield Fault(place=place, expected=f"one of {', '.join(known)}", got=show(name), fix=nearest(name, known))
+            yield Fault(
+                place=place, expected="the name of a published value in reference/values", got=show(name),
+                fix=nearest(name, known),
+            )
         elif known[name].quantity.startswith("plateau") and scene.compare.plateau is None:
             yield Fault(
                 place="compare.plateau", expected=f"a strain range for {known[name].quantity}", got="nothing",

@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 
 from harness.errors import InputError
 from harness.packing import Flow, Packing, grow_ring, make_packing
+from harness.scene.judged import MOST_PACKINGS
 from harness.scene.laws import first_stiffness
-from harness.scene.model import MOST_PACKINGS, Biaxial, Couette, Scene
+from harness.scene.model import Biaxial, Couette, Scene
 from harness.scene.resolve import needs_packing, resolve
 from harness.scene.system import System
 

@@ -22,7 +22,8 @@ from harness.errors import InputError
 from harness.runs.folder import runs_root
 from harness.runs.outcome import Host, Outcome, host_facts
 from harness.runs.pool import Done, run_many
-from harness.scene.model import MOST_PACKINGS, Biaxial, Couette
+from harness.scene.judged import MOST_PACKINGS
+from harness.scene.model import Biaxial, Couette
 from harness.studies.accuracy.asked import Asked
 from harness.studies.accuracy.bulk_plan import OWN, Packed, Setting, plan
 from harness.studies.accuracy.bulk_quantities import BULK, bulk_values

@@ -22,8 +22,8 @@ FARTHEST = FINER[-1]
 """Times beyond the finest rung, in the knob's value: further nothing is foretold."""
 
 TIME = {"dt": 1.0, "stiffness": 0.5, "rate": 1.0, "size": 1.0}
-"""Least power of the value by which the time of a run grows or falls: steps go with 1/dt, sqrt(k), 1/rate, and each with
-the particles. Small systems show less, as other costs hide it; further out they do not."""
+"""Least power of the value by which the time of a run grows or falls: steps go with 1/dt, sqrt(k), 1/rate, and each
+with the particles. Small systems show less, as other costs hide it; further out they do not."""
 
 EFFECTS = "effects"
 
@@ -153,8 +153,9 @@ def _rungs(evidence: Evidence, ladder: KnobLadder, *, farther: bool) -> list[Run
 def finer_rungs(evidence: Evidence, ladder: KnobLadder) -> list[Rung]:
     """Return rungs beyond the finest one: e ~ x^p with the order of the limit, time by a power of the value.
 
-    The power is that of the last two rungs, at least that of TIME. None where the ladder shows no error that falls like a power, or no order. The standard error is that of the finest
-    rung's error, as the limit is known no better, and the power is not assumed to bring it down.
+    The power is that of the last two rungs, at least that of TIME. None where the ladder shows no error that falls like
+    a power, or no order. The standard error is that of the finest rung's error: the limit is known no better, and the
+    power is not assumed to bring it down.
     """
     if len(ladder.rungs) < 2 or ladder.state != "extrapolated" or not ladder.order >= LEAST:
         return []

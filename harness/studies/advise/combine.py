@@ -18,7 +18,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from harness.scene.model import MOST_PACKINGS
+from harness.scene.judged import MOST_PACKINGS
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from harness.scene.judged import Agreement
 from harness.scene.laws import turning
-from harness.scene.model import Agreement, Free
+from harness.scene.model import Free
 from harness.studies.compare.exits import ExitValues, exit_values
 from harness.studies.compare.finest import Finest, finest_differences
 from harness.studies.compare.growth import (

@@ -12,7 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
-from harness.scene.model import TimeWindow, Window
+from harness.scene.judged import TimeWindow, Window
 from harness.studies.compare.curves import BiaxialCurves
 from harness.studies.compare.pairs import Pair, declared_for
 from harness.studies.compare.signal import Signal, signal_deviation

@@ -19,7 +19,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
-from harness.scene.model import RING_FALSE_ALARMS, RING_MARGIN
+from harness.scene.judged import RING_FALSE_ALARMS, RING_MARGIN
 from harness.studies.compare.pairs import Pair
 from harness.studies.compare.profile_quantities import QUANTITIES
 from harness.studies.compare.profile_tests import All, Both, Tested, compared_profiles

@@ -24,8 +24,9 @@ from typing import TYPE_CHECKING
 
 from harness.engines.registry import KERNEL_PREFIX
 from harness.errors import InputError
+from harness.scene.judged import MOST_PACKINGS
 from harness.scene.laws import turning
-from harness.scene.model import MOST_PACKINGS, Biaxial, Couette, Scene
+from harness.scene.model import Biaxial, Couette, Scene
 from harness.scene.system import System
 from harness.studies.compare.pairs import pairs_of
 from harness.studies.prepare import Prepared, draws_packings, prepare

@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from harness.scene.model import RING_MARGIN
+from harness.scene.judged import RING_MARGIN
 from harness.studies.compare.ring_balances import RingBalances
 from harness.studies.compare.significance import Difference, of_mean
 from harness.studies.verdict import Check, Rerun, not_checked

@@ -17,7 +17,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from harness.scene.model import RING_FALSE_ALARMS, RING_MARGIN
+from harness.scene.judged import RING_FALSE_ALARMS, RING_MARGIN
 from harness.studies.compare.band import Band
 from harness.studies.compare.pairs import Pair
 from harness.studies.compare.profile_tests import Overall

@@ -11,7 +11,8 @@ from harness.engines.registry import choose_engines, find_engine
 from harness.errors import InputError
 from harness.scene.describe import nearest
 from harness.scene.effects import EFFECTS
-from harness.scene.model import MOST_PACKINGS, Biaxial, Couette, Free, Scene
+from harness.scene.judged import MOST_PACKINGS
+from harness.scene.model import Biaxial, Couette, Free, Scene
 from harness.studies.effects.quantities import named_quantities
 from harness.studies.prepare import draws_packings
 

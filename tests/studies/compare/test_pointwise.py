@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.scene.model import Window
+from harness.scene.judged import Window
 from harness.studies.compare.curves import biaxial_curves
 from harness.studies.compare.pairs import Pair
 from harness.studies.compare.pointwise import force_deviation, parting_checks, peak_checks, window_checks
