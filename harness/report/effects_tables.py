@@ -96,13 +96,15 @@ def _change_row(c: Change) -> dict:
 
 def smallest_rows(study: EffectsStudy) -> list[dict]:
     """One row an effect that is on: whether it may go, and why not."""
-    rows = []
+    rows, along = [], _along(study)
     for v in (v for v in study.variants if v.effect.on):
-        name = v.effect.name
-        gone = name in study.smallest.left_out
+        name, why = v.effect.name, ""
+        if name in study.smallest.left_out:
+            why = "the reduced scene keeps the tolerance without it"
+        elif name in along:
+            why = f"it goes with {along[name]}"
         rows.append({
-            "effect": name, "in the smallest set": "no" if gone else "yes",
-            "why": "the reduced scene keeps the tolerance without it" if gone else study.smallest.kept[name],
+            "effect": name, "in the smallest set": "no" if why else "yes", "why": why or study.smallest.kept[name],
             **{f"time of a run without it, {e}": study.whole_ratio(e, v.name) for e in _engines(study)},
         })
     if study.smallest.left_out:
@@ -112,6 +114,12 @@ def smallest_rows(study: EffectsStudy) -> list[dict]:
             **{f"time of a run without it, {e}": study.whole_ratio(e, REDUCED) for e in _engines(study)},
         })
     return rows
+
+
+def _along(study: EffectsStudy) -> dict[str, str]:
+    """Return effects that are gone because another one is, by name: with which."""
+    out = [v for v in study.variants if v.effect.name in study.smallest.left_out]
+    return {also[1:]: v.effect.name for v in out for also in v.also if also.startswith("-")}
 
 
 def trial_rows(study: EffectsStudy) -> list[dict]:

@@ -17,7 +17,7 @@ from harness.scene.load import load_scene
 from harness.scene.model import Biaxial
 from harness.studies.compare.curves import BiaxialCurves, biaxial_curves
 from harness.studies.compare.macro import MACRO, macro_values, plateau_mean
-from harness.studies.compare.pairs import pairs_of
+from harness.studies.compare.pairs import declared_for, pairs_of
 from harness.studies.compare.pointwise import window_checks
 from harness.studies.compare.run_checks import CONTROL_TOLERANCE, INERTIA_LIMIT, inertial_numbers
 from harness.studies.reproduce.protocol import Ask, Case, Line, Measured, RatePoint
@@ -185,10 +185,11 @@ def between_codes(
     wanted = {c.name for c in cases}
     pairs = pairs_of(engines_of([m for m in made if m.case in wanted]), friction=friction)
     compare = cases[0].scene.compare
+    windows = [w for w in compare.windows if declared_for(w.pairs, pairs)]
     quantities = [_judgeable(made, c.name, name, unit) for c in cases for name, unit in units.items()]
     terms = Terms(false_alarms=compare.false_alarms, margin=compare.margin, paired=True)
     return [
-        *(window_checks(pairs, compare.windows, _all_curves(made, wanted), rerun) if pairs else ()),
+        *window_checks(pairs, windows, _all_curves(made, wanted), rerun),
         *family_checks(judge_family(quantities, pairs, terms), rerun),
     ]
 
