@@ -32,8 +32,8 @@ if TYPE_CHECKING:
     from harness.studies.reproduce.protocol import Ask, Picture, Result, Row, Study
 
 PAGE, DATA, ROWS, RATES = "report.html", "report.json", "rows.csv", "rates.csv"
-SCREEN, SMALL = 130, 90
-"""Pixels an inch on the page, and of pictures that are kept."""
+SCREEN, SMALL, SMALLEST = 130, 90, 60
+"""Pixels an inch on the page, of charts that are kept, and of states of discs that are kept."""
 
 VALUE_NOTE = (
     "Ours: mean over packings and its standard error. Known: seen in the talk, recalled from the papers (never decides "

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from harness import __version__
 from harness.errors import InputError
-from harness.report.reproduce import SMALL, command, write_tables
+from harness.report.reproduce import SMALL, SMALLEST, command, write_tables
 from harness.report.reproduce_figures import draw
 from harness.report.reproduce_tables import rate_rows, value_rows
 
@@ -30,12 +30,14 @@ def keep(study: Study, ask: Ask, result: Result, place: Path) -> Path:
     """Write result.json, rows.csv, rates.csv, and each picture with its numbers, into ``place/<study>``; return it."""
     from harness.report.figures import png_bytes
     from harness.runs.atomic import write_bytes_atomic, write_json_atomic
+    from harness.studies.reproduce.protocol import Chart
 
     folder = place / study.name
     folder.mkdir(parents=True, exist_ok=True)
     write_tables(folder, result, digits=DIGITS)
     for picture in result.pictures:
-        write_bytes_atomic(folder / f"{picture.name}.png", png_bytes(draw(picture), dpi=SMALL))
+        dpi = SMALL if isinstance(picture, Chart) else SMALLEST
+        write_bytes_atomic(folder / f"{picture.name}.png", png_bytes(draw(picture), dpi=dpi))
     write_json_atomic(folder / RESULT, kept_data(study, ask, result))
     return folder
 
