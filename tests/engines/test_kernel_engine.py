@@ -257,7 +257,7 @@ def test_an_unstable_run_is_an_outcome_with_its_reason(tmp_path):
     fast.particles.v[1] = [0.0, -2e3]
     result = started(TALK, tmp_path, fast)
     assert result.status == "unstable"
-    assert result.reason == "unstable: by step 8: the centre of particle 2 has passed wall 'floor'"
+    assert result.reason == "unstable: by step 1: the centre of particle 2 has passed wall 'floor'"
     assert result.timings == {}
     with pytest.raises(ReadError):
         TALK.read(tmp_path, fast)
@@ -271,10 +271,11 @@ def test_a_broken_deck_is_a_crash_and_no_exception(tmp_path):
 
 
 def test_a_run_that_takes_too_long_is_stopped(tmp_path):
-    result = started(TALK, tmp_path, pair(steps=10**9, sample_every=10**6, frame_every=10**9), time_limit=1.5)
+    kernel = type(TALK)(convention="lammps")  # whose springs are not felt late: so long a run may begin
+    result = started(kernel, tmp_path, pair(steps=10**9, sample_every=10**6, frame_every=10**9), time_limit=1.5)
     assert result.status == "timed_out"
     assert result.reason == "stopped after the time limit of 1.5 s"
-    assert TALK.steps_done(tmp_path) == 0
+    assert kernel.steps_done(tmp_path) == 0
 
 
 @pytest.mark.parametrize("words", ["", "not json", "60", '{"steps": 60}'])

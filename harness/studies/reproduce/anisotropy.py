@@ -32,7 +32,7 @@ from harness.studies.reproduce.boxes import (
     varied,
 )
 from harness.studies.reproduce.protocol import Ask, Case, Chart, Declared, Line, Measured, Picture, Result, Row, Study
-from harness.studies.reproduce.rows import Within, compared, shown
+from harness.studies.reproduce.rows import Within, compared, over_packings, shown
 from harness.studies.reproduce.runs import Made, by_engine, engines_of, run_cases, study_runs, unsupported
 from postproc.average import average
 from postproc.macro.fits.saturation import fit_saturation
@@ -101,11 +101,11 @@ def run(ask: Ask) -> Result:
         point for name in LIMITS
         for point in rate_points(made, same, name, quantity=f"{name}, mu = {MU:g}, p_x = {AT:g} N/m", unit="1")
     ]
-    rows = [*_talk_rows(made, ask, main), *_shown_rows(made, of_main)]
+    rows = [*_talk_rows(made, ask, main), *_exponent_rows(made, ask, main), *_shown_rows(made, of_main)]
     return Result(
         rows=tuple(rows), rates=tuple(rates), rate_words=rate_words(rates, what="limit"), runs=study_runs(made),
         checks=tuple(box_checks(made, of_main, LIMITS, rerun_of("anisotropy", ask))),
-        pictures=_pictures(made, ask, main), words=_words(made, of_main, main), unsupported=unsupported(made),
+        pictures=_pictures(made, ask, main), words=_words(made, ask, of_main, main), unsupported=unsupported(made),
     )
 
 
@@ -164,6 +164,27 @@ def _talk_rows(made: Sequence[Made], ask: Ask, main: float) -> list[Row]:
     ]
 
 
+def pressure_exponent(
+    made: Sequence[Made], name: str, engine: str, pressures: Sequence[float], main: float
+) -> Measured:
+    """Return x of a rate ~ p_x^x, packing by packing: slope of ln rate over ln p_x by least squares."""
+    of = [by_engine(made, _name(MU, p, main)).get(engine, {}) for p in pressures]
+    packings = [k for k in of[0] if all(k in of_p for of_p in of)]
+    rates = [[of_p[k].numbers[name] for of_p in of] for k in packings]
+    slopes = [
+        float(np.polyfit(np.log(pressures), np.log(r), 1)[0]) if np.isfinite(r).all() else float("nan") for r in rates
+    ]
+    return over_packings(engine, slopes)
+
+
+def _exponent_rows(made: Sequence[Made], ask: Ask, main: float) -> list[Row]:
+    return [
+        shown(f"x in {name} ~ p_x^x, mu = {MU:g}", "1", ours, "the talk: the rate depends on p, no number")
+        for name in RATES for e in engines_of(made)
+        for ours in [pressure_exponent(made, name, e, PRESSURES[ask.size], main)] if ours.packings
+    ]
+
+
 def _shown_rows(made: Sequence[Made], of_main: Sequence[Case]) -> list[Row]:
     """Limits and rates of all tests but those that the talk's number is held against."""
     wanted = [*LIMITS, *RATES]
@@ -202,7 +223,7 @@ def _approach(made: Sequence[Made], quantity: str, engines: Sequence[str], main:
         lines.append(_fitted(list(first.values()), quantity))
     talk = published_values()["talk_stiffness_anisotropy"].value
     if quantity == "C_D":
-        lines.append(Line(name="talk: maximum", x=np.array([0.0, GRID]), y=np.array([talk, talk]), look="fit"))
+        lines.append(Line(name="talk: maximum", x=np.array([0.0, GRID]), y=np.array([talk, talk])))
     return Chart(
         name=f"approach_{quantity}", x="deviatoric strain ε_zz - ε_xx", y=quantity, lines=tuple(lines),
         caption=f"{quantity} at mu = {MU:g}, p_x = {AT:g} N/m: mean over packings, band of its standard error; dashed: "
@@ -258,40 +279,48 @@ def _errors(found: Sequence[Measured]) -> np.ndarray:
     return np.array([np.nan if m.error is None else m.error for m in found])
 
 
-def _words(made: Sequence[Made], of_main: Sequence[Case], main: float) -> tuple[str, ...]:
-    at = [m for m in number_over_packings(made, _name(MU, AT, main), "C_D max").values() if m.packings]
-    other = [
-        m for c in of_main if not c.name.startswith(f"mu = {MU:g}")
-        for m in number_over_packings(made, c.name, "C_D max").values() if m.packings
-    ]
-    talk = published_values()["talk_stiffness_anisotropy"].value
-    said = [f"C_D max at mu = {MU:g}, p_x = {AT:g} N/m: {_range(at)}; the talk: {talk:g}."]
-    if other:
-        said.append(f"Without friction: {_range(other)}.")
-    rates = {
-        q: [m.value for m in number_over_packings(made, _name(MU, AT, main), f"beta of {q}").values() if m.packings]
-        for q in FITTED
-    }
-    known = {q: float(np.mean(v)) for q, v in rates.items() if v}
-    if len(known) == len(FITTED):
-        said.append(
-            "Rates at this pressure: " + ", ".join(f"beta of {q} {v:.0f}" for q, v in known.items())
-            + ": stress saturates "
-            + ("faster than structure and stiffness." if known["s_D"] > max(known["F_D"], known["C_D"])
-               else "no faster than structure and stiffness.")
-        )
+def _words(made: Sequence[Made], ask: Ask, of_main: Sequence[Case], main: float) -> tuple[str, ...]:
     return (
-        " ".join(said),
+        " ".join([*_limit_words(made, ask, of_main, main), *_rate_says(made, ask, main)]),
         "The talk does not print friction, adhesion and pressure of this page, nor over which part of the box it "
         "averages. Here C_D counts all contacts of the discs away from the walls, each with the same stiffness.",
     )
+
+
+def _limit_words(made: Sequence[Made], ask: Ask, of_main: Sequence[Case], main: float) -> list[str]:
+    """Say C_D max where the talk's is held against it, without friction, and over all pressures."""
+    def of(case: str) -> list[Measured]:
+        return [m for m in number_over_packings(made, case, "C_D max").values() if m.packings]
+
+    talk = published_values()["talk_stiffness_anisotropy"].value
+    at = of(_name(MU, AT, main))
+    other = [m for c in of_main if not c.name.startswith(f"mu = {MU:g}") for m in of(c.name)]
+    every = [m for p in PRESSURES[ask.size] for m in of(_name(MU, p, main))]
+    said = [f"C_D max at mu = {MU:g}, p_x = {AT:g} N/m: {_range(at)}; the talk: {talk:g}."]
+    said += [f"Over all pressures: {_range(every)}."] if every else []
+    return said + ([f"Without friction: {_range(other)}."] if other else [])
+
+
+def _rate_says(made: Sequence[Made], ask: Ask, main: float) -> list[str]:
+    """Say the rates where the talk's number is held against ours, and how they depend on the pressure."""
+    said = []
+    for name in RATES:
+        at = [m.value for m in number_over_packings(made, _name(MU, AT, main), name).values() if m.packings]
+        x = [pressure_exponent(made, name, e, PRESSURES[ask.size], main) for e in engines_of(made)]
+        known = [m.value for m in x if m.packings]
+        if at and known:
+            said.append(
+                f"The {name} is {np.mean(at):.0f} at this pressure and goes as p_x^x, x = {min(known):.2f} to "
+                f"{max(known):.2f}."
+            )
+    return said
 
 
 def _range(found: Sequence[Measured]) -> str:
     if not found:
         return "not known"
     values = [m.value for m in found]
-    return f"{min(values):.3f} to {max(values):.3f} over {len(values)} engines"
+    return f"{min(values):.3f} to {max(values):.3f} over engines"
 
 
 STUDY = Study(

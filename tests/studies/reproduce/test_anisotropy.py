@@ -78,3 +78,12 @@ def test_the_mean_over_runs_is_on_one_grid(box_run):
     assert mean[-1] == pytest.approx(0.35, abs=1e-6)
     assert error[-1] == pytest.approx(0.05, abs=1e-6)
     assert (np.diff(x) > 0).all()
+
+
+def test_a_power_of_the_pressure_comes_back(box_run, made):
+    pressures, name = (100.0, 200.0, 500.0), "beta of s_D"
+    runs = [
+        made(anisotropy._name(anisotropy.MU, p, 0.06), "e", k, box_run({name: 4e4 * p ** (-1.0 - 0.1 * k)}))
+        for p in pressures for k in (0, 1)
+    ]
+    assert anisotropy.pressure_exponent(runs, name, "e", pressures, 0.06).values == pytest.approx((-1.0, -1.1))

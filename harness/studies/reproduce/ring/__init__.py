@@ -11,7 +11,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from harness.scene.ring import area_fractions
+from harness.scene.ring import area_fractions, radii
 from harness.studies.reproduce.protocol import Ask, Case, Declared, Result, Study
 from harness.studies.reproduce.ring.cases import SPRINGS, cases_of, main_plans
 from harness.studies.reproduce.ring.charts import charts_of
@@ -130,11 +130,14 @@ def _spring_words(runs: Runs, engines: Sequence[str]) -> str:
             p = ring.profiles.profiles.get("torque_stiffness")
             if p is not None:
                 used = ring.inside & np.isfinite(p.mean)
+                known = p.mean[used]
+                square = float((radii(ring.scene) ** 2).mean())
                 return (
                     "Torque stiffness exists only where contacts have springs: without them there is no curvature, "
-                    "which is left out and not zero. In the ring with springs its median is "
-                    f"{np.median(p.mean[used]):.2g} N m ({engine}), negative in {int((p.mean[used] < 0).sum())} of "
-                    f"{used.sum()} cells: a ratio of two small, fluctuating numbers."
+                    "which is left out and not zero. In the ring with springs its median over the cells is "
+                    f"{np.median(known):.2g} N m, between {known.min():.2g} and {known.max():.2g} ({engine}); "
+                    f"k_t <a^2>, the couple of one contact turned against its spring, is "
+                    f"{ring.scene.contact.sliding.shear_stiffness * square:.2g} N m."
                 )
     return ""
 
@@ -143,7 +146,7 @@ def _declared(size: str) -> Declared:
     return {
         "quick": Declared(says="small rings of 940 discs at two densities, one faster, one with springs", packings=1),
         "paper": Declared(says="densities A, B, C at real size, 120 s; C twice as fast; a small one with springs",
-                          packings=2),
+                          packings=3),
     }[size]
 
 

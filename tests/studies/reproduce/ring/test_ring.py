@@ -12,7 +12,8 @@ from harness.studies.reproduce.protocol import Ask
 from harness.studies.reproduce.ring import STUDY, cases
 from harness.studies.reproduce.ring.cases import FASTER, PLANS, SPRINGS, faster_than, main_plans
 from harness.studies.reproduce.ring.measure import STATIC, _decay, _exponents
-from harness.studies.reproduce.ring.numbers import collapse, over, rows_of
+from harness.studies.reproduce.ring.numbers import _undecided, collapse, over, rows_of
+from harness.studies.verdict import Check
 from postproc.results import Unavailable
 from reference.values import published_values
 
@@ -182,3 +183,11 @@ def test_shipped_rings_stay_as_they_are():
 
     first = cases(ask())[0]
     assert first.scene == load_scene(first.file)
+
+
+@pytest.mark.parametrize(("verdict", "becomes"), [
+    ("agrees", "inconclusive"), ("differs", "inconclusive"), ("not_checked", "not_checked")])
+def test_errors_of_time_alone_decide_nothing(verdict, becomes):
+    facts = {"level": "L3", "quantity": "profile", "left": "a", "right": "b", "deviation": 1.0, "tolerance": 0.5}
+    check = Check(**facts, verdict=verdict, why="")
+    assert _undecided(check).verdict == becomes
