@@ -16,7 +16,7 @@ from harness.studies.reproduce.protocol import Ask, Declared, Result, Study
 from harness.studies.reproduce.rows import over_packings
 from harness.studies.reproduce.runs import run_cases, study_runs, unsupported
 from harness.studies.reproduce.sound.cases import EXTENTS, SMOOTH, Setting, cases_of, made_cases, settings_of
-from harness.studies.reproduce.sound.charts import charts, decay_over_frequency
+from harness.studies.reproduce.sound.charts import STATIONS, charts, transmitted
 from harness.studies.reproduce.sound.measure import P, S, SoundRun, closed_form, measure_sound
 from harness.studies.reproduce.sound.numbers import (
     SYMBOL,
@@ -32,6 +32,9 @@ from harness.studies.reproduce.sound.numbers import (
     speed_rows,
 )
 from reference.kernel.conventions import NAMED
+
+PARTS = (0.1, 0.3, 0.5, 0.9)
+"""Of the cut-off: where the spectrum of what arrives is tabulated."""
 
 RATE_WORDS = (
     "Single waves run slower than long ones by (k l)^2/24 and more; the speeds above are extrapolated to k = 0. Steps "
@@ -50,24 +53,25 @@ def run(ask: Ask) -> Result:
         rows=(*speed_rows(settings, runs), *disorder_rows(settings, runs)),
         rates=tuple(convergence(settings, runs)), rate_words=RATE_WORDS,
         checks=tuple(checks(settings, runs, _rerun(ask))), pictures=charts(settings, runs),
-        tables={"Attenuation": attenuation_rows(settings, runs)}, words=_words(settings, runs), runs=study_runs(made),
-        unsupported=unsupported(made),
+        tables={"What arrives of each frequency": attenuation_rows(settings, runs)}, words=_words(settings, runs),
+        runs=study_runs(made), unsupported=unsupported(made),
     )
 
 
 def attenuation_rows(settings: Sequence[Setting], runs: MadeBy) -> list[dict]:
-    """Return the decay of coherent waves at a few wavelengths, by disorder, kind of wave and engine."""
-    rows = []
+    """Return what arrives at the stations over the regular column, in parts of the spectrum, by disorder and engine."""
+    rows, smooth = [], regular(settings)[0]
+    cut = smooth.column.material.waves().cut_off
     for width, samples in disordered(settings).items():
-        for wave in (P, S):
-            for engine in engines_in(samples, runs):
-                phase, mean, error = decay_over_frequency(samples, runs, wave, engine)
-                for part in (0.1, 0.25, 0.5, 0.75):
-                    k = int(np.argmin(np.where(np.isfinite(mean), np.abs(phase / np.pi - part), np.inf)))
-                    rows.append({
-                        "disorder": width, "wave": wave, "engine": engine, "k l/pi": float(phase[k] / np.pi),
-                        "decay G/w": float(mean[k]), "error": float(error[k]), "samples": len(samples),
-                    })
+        for engine in engines_in(samples, runs):
+            if engine not in runs.get(smooth.name, {}):
+                continue
+            found = {n: transmitted(samples, smooth, runs, engine, n) for n in STATIONS}
+            for part in PARTS:
+                k = int(np.argmin(np.abs(found[STATIONS[0]][0] / cut - part)))
+                cells = {f"layer {n}": f"{mean[k]:.3g} +- {error[k]:.1g}" for n, (_, mean, error) in found.items()}
+                frequency = float(found[STATIONS[0]][0][k] / cut)
+                rows.append({"disorder": width, "engine": engine, "frequency over cut-off": frequency, **cells})
     return rows
 
 

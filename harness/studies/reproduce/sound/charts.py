@@ -153,19 +153,23 @@ def _transmission(settings: Sequence[Setting], runs: MadeBy) -> Chart | None:
         return None
     lines, cut = [], smooth.column.material.waves().cut_off
     for width, samples in disordered(settings).items():
-        for n in STATIONS:
-            found = [transmission(runs[s.name][engines[0]], runs[smooth.name][engines[0]], n)
-                     for s in samples if engines[0] in runs.get(s.name, {})]
-            if found:
-                part = np.array([t for _, t in found])
-                error = part.std(axis=0, ddof=1) / np.sqrt(len(part)) if len(part) > 1 else None
-                lines.append(Line(name=f"disorder {width:g}, layer {n}", x=found[0][0] / cut, y=part.mean(axis=0),
-                                  error=error))
+        for n in STATIONS if engines[0] in engines_in(samples, runs) else ():
+            frequency, mean, error = transmitted(samples, smooth, runs, engines[0], n)
+            lines.append(Line(name=f"disorder {width:g}, layer {n}", x=frequency / cut, y=mean, error=error))
     return Chart(
         name="transmission", x="frequency over the cut-off", y="spectrum of the layer over that of the regular column",
         lines=tuple(lines), log_y=True, caption=f"Disorder lets low frequencies pass: what arrives, {engines[0]}, mean "
         "and standard error over samples.",
     )
+
+
+def transmitted(samples: Sequence[Setting], smooth: Setting, runs: MadeBy, engine: str, n: int):
+    """Return frequencies (B,), rad/s, mean and standard error (B,) over samples (NaN for one) of `transmission`."""
+    regular_run = runs[smooth.name][engine]
+    found = [transmission(runs[s.name][engine], regular_run, n) for s in samples if engine in runs.get(s.name, {})]
+    part = np.array([t for _, t in found])
+    error = part.std(axis=0, ddof=1) / np.sqrt(len(part)) if len(part) > 1 else np.full(part.shape[1], np.nan)
+    return found[0][0], part.mean(axis=0), error
 
 
 def transmission(run, regular_run, n: int) -> tuple[np.ndarray, np.ndarray]:

@@ -12,6 +12,7 @@ from harness.scene.load import load_scene
 from harness.scene.resolve import resolve
 from harness.studies.reproduce.sound import STUDY
 from harness.studies.reproduce.sound.cases import Setting
+from harness.studies.reproduce.sound.charts import transmission
 from harness.studies.reproduce.sound.column import Column, Kick, Look, Material, write_scene
 from harness.studies.reproduce.sound.disorder import Sample, lattice_bonds, linear_velocities, relaxed_sample
 from harness.studies.reproduce.sound.measure import P, S, closed_form, expected_frequencies, measure_sound
@@ -186,3 +187,19 @@ def test_kick_without_friction_turns_nothing():
     assert Setting(column=column()).kick().surface == (0.0, 0.0, 0.0)
     assert any(Setting(column=column(ROUGH)).kick().surface)
     assert Kick(velocity=(1.0, 0.0, 0.0)).surface == (0.0, 0.0, 0.0)
+
+
+def test_what_arrives_is_told_by_frequency():
+    """A column that lets pass half of everything, and nothing above a third of the cut-off but a tenth."""
+    time = np.linspace(0.0, 2e-3, 241)
+    cut, rng = SMOOTH.waves().cut_off, np.random.default_rng(0)
+    w = np.fft.rfftfreq(len(time), time[1] - time[0]) * 2 * np.pi
+    full = rng.normal(size=len(w)) + 1j * rng.normal(size=len(w))
+    passed = np.where(w < cut / 3, 0.5, 0.1)
+    branch = SimpleNamespace(frequency=np.array([cut]))
+    one, two = (SimpleNamespace(time=time, branches={P: branch}, along=np.fft.irfft(f, n=len(time))[:, None])
+                for f in (full * passed, full))
+    frequency, part = transmission(one, two, 0)
+    assert frequency.max() < cut
+    assert part[frequency < 0.25 * cut] == pytest.approx(0.5, rel=1e-9)
+    assert part[frequency > 0.42 * cut] == pytest.approx(0.1, rel=1e-9)
