@@ -330,8 +330,8 @@ STUDY = Study(
     "is constant, about 0.34, the rate depends on the pressure",
     source="S. Luding, 'Shear banding in granular materials', pages 'Stiffness tensor' and 'An-isotropy'",
     sizes={
-        "quick": Declared(says="200 discs, p_x = 100, 200, 500 N/m, T = 0.06 s, three packings", packings=3),
-        "paper": Declared(says="1950 discs, p_x = 40, 100, 200, 500 N/m, T = 0.128 s, three packings", packings=3),
+        "quick": Declared(says="200 discs, p_x = 100, 200, 500 N/m, T = 0.06 s", packings=3),
+        "paper": Declared(says="1950 discs, p_x = 40, 100, 200, 500 N/m, T = 0.128 s", packings=3),
     },
     engines=("lammps", "liggghts", "kernel:talk"),
     values=("talk_stiffness_anisotropy",),

@@ -350,8 +350,8 @@ STUDY = Study(
     source="S. Luding, 'Shear banding in granular materials', pages 'Bi-axial compression with p_x = const.' and "
     "'Cohesion - no friction'",
     sizes={
-        "quick": Declared(says="300 discs, T = 0.08 s, three packings", packings=3),
-        "paper": Declared(says=f"{PAPER_COUNT} discs, T = 0.16 s, four packings", packings=4),
+        "quick": Declared(says="300 discs, T = 0.08 s", packings=3),
+        "paper": Declared(says=f"{PAPER_COUNT} discs, T = 0.16 s", packings=4),
     },
     engines=("lammps", "liggghts", "kernel:talk"),
     values=(

@@ -259,8 +259,8 @@ STUDY = Study(
     source="S. Luding, 'Shear banding in granular materials', page 'Continuum theory: deformation - rotations, cyclic "
     "deformations - creep'",
     sizes={
-        "quick": Declared(says="200 discs, five cycles of 2 %, half a cycle in 0.012 s, three packings", packings=3),
-        "paper": Declared(says="1950 discs, ten cycles of 2 %, half a cycle in 0.0256 s, three packings", packings=3),
+        "quick": Declared(says="200 discs, five cycles of 2 %, half a cycle in 0.012 s", packings=3),
+        "paper": Declared(says="1950 discs, ten cycles of 2 %, half a cycle in 0.0256 s", packings=3),
     },
     engines=("lammps", "liggghts", "kernel"),
     values=(),

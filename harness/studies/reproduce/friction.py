@@ -297,8 +297,8 @@ STUDY = Study(
     source="S. Luding, 'Shear banding in granular materials', pages 'Friction - no cohesion' and 'Cohesion - no "
     "friction'",
     sizes={
-        "quick": Declared(says="200 discs, p_x = 100, 200, 500 N/m, T = 0.06 s, three packings", packings=3),
-        "paper": Declared(says="1950 discs, p_x = 40, 100, 200, 500 N/m, T = 0.128 s, three packings", packings=3),
+        "quick": Declared(says="200 discs, p_x = 100, 200, 500 N/m, T = 0.06 s", packings=3),
+        "paper": Declared(says="1950 discs, p_x = 40, 100, 200, 500 N/m, T = 0.128 s", packings=3),
     },
     engines=("lammps", "liggghts", "kernel:talk"),
     values=tuple(VALUES.values()),

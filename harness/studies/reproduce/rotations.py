@@ -347,8 +347,8 @@ STUDY = Study(
     source="S. Luding, 'Shear banding in granular materials', pages 'Bi-axial box', 'Bi-axial box rotations', 'Micro "
     "informations: shear bands' and 'Rotations (local)'",
     sizes={
-        "quick": Declared(says="400 discs, mu = 0.5, p_x = 100 N/m, T = 0.06 s, three packings", packings=3),
-        "paper": Declared(says="1950 discs, mu = 0.5, p_x = 100 N/m, T = 0.128 s, three packings", packings=3),
+        "quick": Declared(says="400 discs, mu = 0.5, p_x = 100 N/m, T = 0.06 s", packings=3),
+        "paper": Declared(says="1950 discs, mu = 0.5, p_x = 100 N/m, T = 0.128 s", packings=3),
     },
     engines=("lammps", "liggghts", "kernel:talk"),
     values=(),
