@@ -112,8 +112,9 @@ def write_reproduce(study: Study, ask: Ask, result: Result) -> Path:
         shown.append(Figure(uri=png_uri(figure, dpi=SCREEN), caption=picture.caption, panel=_is_chart(picture)))
     write_json_atomic(folder / DATA, reproduce_data(study, ask, result))
     page = render_page(
-        title=study.title, lead=f"The talk: {study.claim} ({study.source}.) Here: {study.sizes[ask.size].says}; packings: "
-        f"{study.packings(ask)}. {summary(result)}.", sections=_sections(study, ask, result, tuple(shown)),
+        title=study.title, sections=_sections(study, ask, result, tuple(shown)),
+        lead=f"The talk: {study.claim} ({study.source}.) Here: {study.sizes[ask.size].says}; packings: "
+        f"{study.packings(ask)}. {summary(result)}.",
     )
     write_text_atomic(folder / PAGE, page)
     return folder / PAGE
