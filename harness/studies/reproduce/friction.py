@@ -284,8 +284,8 @@ def _words(angles: Mapping[str, Mapping[str, Measured]]) -> tuple[str, ...]:
         "The talk does not say how its two angles are formed. Read here: internal, the slope of the line through the "
         "peaks of several pressures; total, the line through the origin. The 27 degrees are also arctan 0.5 = 26.6, "
         "the friction of the contacts itself, and then only the total one would be measured.",
-        "Peaks are those of the first loading branch; after it the sample moves in bursts. Packings are frictionless, "
-        "hence dense: a preparation with friction would be looser, and its peak lower.",
+        "Peaks are those of the first loading branch; after it the sample moves in bursts. Packings are prepared "
+        "without friction, as dense as they get; the talk does not print its preparation.",
     )
 
 

@@ -12,7 +12,7 @@ from harness.studies.reproduce import friction, runs
 
 @pytest.fixture
 def small(tiny, monkeypatch):
-    tiny(friction, 24, 0.05)
+    tiny(friction, 24, 0.02)
     monkeypatch.setattr(friction, "PRESSURES", {"quick": (100.0, 500.0)})
     monkeypatch.setattr(friction, "SERIES", {"quick": ()})
 

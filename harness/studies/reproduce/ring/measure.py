@@ -59,6 +59,7 @@ class RingRun:
     """
 
     scene: Couette
+    system: System
     curves: RingCurves
     profiles: RingProfiles
     balances: RingBalances
@@ -85,7 +86,7 @@ def measure_ring(case: Case, trajectory: Trajectory, system: System) -> RingRun:
     inside = (profiles.edges[:-1] >= profiles.edges[0] + away) & (profiles.edges[1:] <= profiles.edges[-1] - away)
     balances = ring_balances(curves, subjects, system)
     return RingRun(
-        scene=scene, curves=curves, profiles=profiles, balances=balances, band=band, inside=inside,
+        scene=scene, system=system, curves=curves, profiles=profiles, balances=balances, band=band, inside=inside,
         numbers=_numbers(scene, profiles, balances, band, inside) | _exponents(profiles, subjects, inside),
         speeds=_distribution(frames, scene, band, _speed), spins=_distribution(frames, scene, band, _spin),
     )

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from harness.engines.registry import find_engine
 from harness.scene.load import load_scene
 from harness.scene.ring import area_fractions
 from harness.studies.compare.band import KNOWN_TO, PUBLISHED
@@ -14,6 +15,7 @@ from harness.studies.compare.pairs import pairs_of
 from harness.studies.compare.pointwise import window_checks
 from harness.studies.compare.profile_checks import FEWEST, profile_checks
 from harness.studies.compare.ring_checks import ring_checks
+from harness.studies.compare.versions import by_records, known_records
 from harness.studies.reproduce.boxes import shipped
 from harness.studies.reproduce.protocol import Ask, Case, Measured, RatePoint, Row
 from harness.studies.reproduce.ring.cases import Plan, faster_than, main_plans
@@ -245,9 +247,10 @@ def checks_of(cases: Sequence[Case], runs: Runs, rerun) -> list[Check]:
             for part in ("curves", "profiles", "balances")
         )
         told = min(len(by) for by in of.values()) >= FEWEST or case.scene == load_scene(shipped(PROVEN))
+        records = known_records([find_engine(e) for e in of], [next(iter(by.values())).system for by in of.values()])
         made = [*(window_checks(pairs, case.scene.compare.windows, curves, rerun) if pairs else ()),
                 *(c if told else _undecided(c) for c in profile_checks(pairs, profiles, rerun)),
-                *ring_checks(balances, rerun)]
+                *(by_records(c, records) for c in ring_checks(balances, rerun))]
         found += [replace(c, quantity=f"{case.name}: {c.quantity}") for c in made]
     return found
 
