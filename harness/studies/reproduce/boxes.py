@@ -183,13 +183,14 @@ def between_codes(
 ) -> list[Check]:
     """Return the checks of the codes among each other, of cases with friction or of cases without."""
     wanted = {c.name for c in cases}
+    followed = {c.name for c in cases if c.scene.compare.windows}
     pairs = pairs_of(engines_of([m for m in made if m.case in wanted]), friction=friction)
     compare = cases[0].scene.compare
-    windows = [w for w in compare.windows if declared_for(w.pairs, pairs)]
+    windows = {w: None for c in cases for w in c.scene.compare.windows if declared_for(w.pairs, pairs)}
     quantities = [_judgeable(made, c.name, name, unit) for c in cases for name, unit in units.items()]
     terms = Terms(false_alarms=compare.false_alarms, margin=compare.margin, paired=True)
     return [
-        *window_checks(pairs, windows, _all_curves(made, wanted), rerun),
+        *window_checks(pairs, list(windows), _all_curves(made, followed), rerun),
         *family_checks(judge_family(quantities, pairs, terms), rerun),
     ]
 

@@ -24,7 +24,7 @@ from harness.studies.reproduce.protocol import Measured, Row
 from harness.studies.verdict import Check, Verdict, not_checked
 from reference.values import Published, published_values
 
-SMALL = "a quick size: the talk's number is one of its own size, so the deviation is stated and the paper size decides"
+SMALL = "a quick size states the deviation; the paper size decides"
 RECALLED = "the value is recalled, not seen: no verdict"
 
 
