@@ -7,22 +7,16 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from harness.report.accuracy_figure import CAPTION, accuracy_figure
-from harness.report.accuracy_files import DATA, PAGE, PICTURES, Written, write_files
-from harness.report.accuracy_files import check_places as check_files
 from harness.report.accuracy_tables import tables
 from harness.report.accuracy_words import paragraph
+from harness.report.files import Names, Written, write_files
 from harness.report.page import Figure, Section
 from harness.report.tables import Answer
 
 if TYPE_CHECKING:
     from harness.studies.accuracy.study import Accuracy
 
-__all__ = [
-    "DATA", "PAGE", "PICTURES", "TABLES", "accuracy_answer", "accuracy_data", "check_places", "summary",
-    "write_accuracy",
-]
-
-TABLES = ("budget", "slopes", "front", "points", "costs", "oracles")
+NAMES = Names(stem="accuracy", tables=("budget", "slopes", "front", "points", "costs", "oracles"))
 
 BUDGET_NOTE = (
     "The largest step from which on an engine stays below the error on all rungs, and of these the cheapest; only runs "
@@ -72,18 +66,11 @@ def accuracy_data(accuracy: Accuracy) -> dict:
 
 def write_accuracy(accuracy: Accuracy, out: Path) -> Path:
     """Write accuracy.html, .json, .png, .svg and CSV tables into `out`, each whole or not at all; return the page."""
-    return write_files(out, Written(
+    return write_files(out, NAMES, Written(
         title=f"What accuracy costs: {accuracy.scene.title}", lead=f"{summary(accuracy)}.", caption=CAPTION,
         figure=accuracy_figure(accuracy), tables=tables(accuracy), data=accuracy_data(accuracy),
-        sections=lambda figure: _sections(accuracy, figure),
+        sections=lambda figures: _sections(accuracy, figures),
     ))
-
-
-def check_places(out: Path) -> None:
-    """Raise InputError when a folder stands where a file of the report goes: before anything is run."""
-    from harness.report.accuracy_bulk import BULK_TABLES
-
-    check_files(out, [*TABLES, *BULK_TABLES])
 
 
 def summary(accuracy: Accuracy) -> str:
@@ -96,11 +83,11 @@ def summary(accuracy: Accuracy) -> str:
     )
 
 
-def _sections(accuracy: Accuracy, figure: Figure) -> list[Section]:
+def _sections(accuracy: Accuracy, figures: tuple[Figure, ...]) -> list[Section]:
     found = tables(accuracy)
     return [
         Section(heading="In words", note=paragraph(accuracy)),
-        Section(heading="Error against time", figures=(figure,)),
+        Section(heading="Error against time", figures=figures),
         Section(heading="Cheapest settings", note=BUDGET_NOTE, rows=found["budget"]),
         Section(heading="Orders", note=SLOPE_NOTE, rows=found["slopes"]),
         Section(heading="Front", note=FRONT_NOTE, rows=found["front"]),

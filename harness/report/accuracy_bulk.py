@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from harness.report.accuracy_bulk_figure import BULK_CAPTION, bulk_figure
 from harness.report.accuracy_bulk_tables import bulk_tables, data_rows, shown_budget
 from harness.report.accuracy_bulk_words import bulk_paragraph, what
-from harness.report.accuracy_files import Written, write_files
+from harness.report.files import Names, Written, write_files
 from harness.report.page import Section
 from harness.report.tables import Answer
 from harness.studies.accuracy.bulk_quantities import BULK
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from harness.report.page import Figure
     from harness.studies.accuracy.bulk import BulkAccuracy
 
-BULK_TABLES = ("budget", "orders", "floor", "front", "rungs")
+BULK_NAMES = Names(stem="accuracy", tables=("budget", "orders", "floor", "front", "rungs"))
 SCHEMA = "grainproof accuracy of bulk quantities, 1"
 
 BUDGET_NOTE = (
@@ -97,10 +97,10 @@ def bulk_data(done: BulkAccuracy) -> dict:
 
 def write_bulk(done: BulkAccuracy, out: Path) -> Path:
     """Write accuracy.html, .json, .png, .svg and CSV tables into `out`, each whole or not at all; return the page."""
-    return write_files(out, Written(
+    return write_files(out, BULK_NAMES, Written(
         title=f"What accuracy costs: {done.scene.title}", lead=f"{bulk_summary(done)}.", caption=BULK_CAPTION,
         figure=bulk_figure(done), tables=bulk_tables(done), data=bulk_data(done),
-        sections=lambda figure: _sections(done, figure),
+        sections=lambda figures: _sections(done, figures),
     ))
 
 
@@ -114,11 +114,11 @@ def bulk_summary(done: BulkAccuracy) -> str:
     )
 
 
-def _sections(done: BulkAccuracy, figure: Figure) -> list[Section]:
+def _sections(done: BulkAccuracy, figures: tuple[Figure, ...]) -> list[Section]:
     found = bulk_tables(done)
     return [
         Section(heading="In words", note=bulk_paragraph(done)),
-        Section(heading="Error against time", figures=(figure,)),
+        Section(heading="Error against time", figures=figures),
         Section(heading="Cheapest settings", note=BUDGET_NOTE, rows=shown_budget(done)),
         Section(heading="Floor", note=FLOOR_NOTE, rows=found["floor"]),
         Section(heading="Front", note=FRONT_NOTE, rows=found["front"]),

@@ -6,18 +6,19 @@ import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from harness.errors import InputError
 from harness.report.advise_figure import CAPTION, advise_figure
 from harness.report.advise_tables import tables
 from harness.report.advise_words import COMBINED, limits, paragraph
-from harness.report.page import Figure, Section, render_page
-from harness.report.tables import Answer, csv_text
+from harness.report.files import Names, Written, write_files
+from harness.report.page import Figure, Section
+from harness.report.tables import Answer
 
 if TYPE_CHECKING:
     from harness.studies.advise.study import Advice
 
 TABLES = ("advice", "sum", "ladders")
-PAGE, DATA, PICTURE, SCENE = "advice.html", "advice.json", "advice.png", "advised.toml"
+SCENE = "advised.toml"
+NAMES = Names(stem="advice", tables=TABLES, further=(SCENE,))
 HEADINGS = {"advice": "What to take", "sum": "What it comes to", "ladders": "What was measured"}
 NOTES = {
     "advice": "Errors against the limit of each knob's own ladder, over the quantity's size. Measured: that rung was "
@@ -54,39 +55,21 @@ def advise_data(advice: Advice) -> dict:
 
 
 def write_advice(advice: Advice, out: Path) -> Path:
-    """Write page, JSON, picture, CSV tables and the advised scene into `out`, each whole or not at all."""
-    from harness.report.figures import png_bytes, png_uri
-    from harness.runs.atomic import write_bytes_atomic, write_json_atomic, write_text_atomic
+    """Write page, JSON, pictures, CSV tables and the advised scene into `out`, each whole or not at all."""
     from harness.scene.write import scene_text, write_scene
 
     out.mkdir(parents=True, exist_ok=True)
-    figure = advise_figure(advice)
-    for name, rows in tables(advice).items():
-        write_text_atomic(out / f"{name}.csv", csv_text(rows))
-    write_json_atomic(out / DATA, advise_data(advice))
-    if figure is not None:
-        write_bytes_atomic(out / PICTURE, png_bytes(figure, dpi=110))
     text = ""
     if advice.choice is not None:
         write_scene(advice.scene, advice.evidence.scene_file, out / SCENE, about=_about(advice))
         text = scene_text(advice.scene, about=_about(advice))
     else:
         (out / SCENE).unlink(missing_ok=True)
-    figures = () if figure is None else (Figure(uri=png_uri(figure), caption=CAPTION),)
-    write_text_atomic(out / PAGE, render_page(
-        title=f"Advice: {advice.evidence.scene.title}", lead=_lead(advice), sections=_sections(advice, figures, text),
+    return write_files(out, NAMES, Written(
+        title=f"Advice: {advice.evidence.scene.title}", lead=_lead(advice), caption=CAPTION,
+        figure=advise_figure(advice), tables=tables(advice), data=advise_data(advice),
+        sections=lambda figures: _sections(advice, figures, text),
     ))
-    return out / PAGE
-
-
-def check_places(out: Path) -> None:
-    """Raise InputError when a folder stands where a file of the report goes: before anything is run."""
-    for place in (out / name for name in (PAGE, DATA, PICTURE, SCENE, *(f"{name}.csv" for name in TABLES))):
-        if place.is_dir():
-            raise InputError(
-                file=place, expected="a file or nothing, as the report goes there", got="a folder",
-                fix="move it away or name another --out",
-            )
 
 
 def _sections(advice: Advice, figures: tuple[Figure, ...], text: str) -> list[Section]:

@@ -7,9 +7,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from harness.errors import InputError
 from harness.report import biaxial, couette, figures, free
 from harness.report.campaign import closing_sections, opening_sections
+from harness.report.files import refuse_folders
 from harness.report.junit import junit_xml
 from harness.report.page import render_page
 from harness.report.places import PLACES, place_rows, place_sections
@@ -90,12 +90,7 @@ def check_report_places(out: Path) -> None:
     """Raise InputError when a folder stands where a file of the report goes: before anything is run."""
     tables = ("checks", "runs", "watch", *(name for kind in KINDS.values() for name in kind.TABLES))
     names = (PICTURE, PAGE, DATA, JUNIT, *(f"{name}.csv" for name in tables))
-    for place in (out / name for name in names):
-        if place.is_dir():
-            raise InputError(
-                file=place, expected="a file or nothing, as the report goes there", got="a folder",
-                fix="move it away or name another --out",
-            )
+    refuse_folders(out, names)
 
 
 def _write_picture(comparison: Comparison, path: Path) -> Path | None:

@@ -6,20 +6,21 @@ import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from harness.errors import InputError
 from harness.report.effects_figure import CAPTION, effects_figure
 from harness.report.effects_notes import NOTES
 from harness.report.effects_tables import saved, tables
 from harness.report.effects_words import paragraph
-from harness.report.page import Figure, Section, render_page
-from harness.report.tables import Answer, csv_text
+from harness.report.files import Names, Written, write_files
+from harness.report.page import Figure, Section
+from harness.report.tables import Answer
 from harness.studies.effects.asked import BY
 
 if TYPE_CHECKING:
     from harness.studies.effects.study import EffectsStudy
 
 TABLES = ("effects", "smallest", "trials", "chosen", "costs", "traces", "zeros", "changes")
-PAGE, DATA, PICTURES, REDUCED = "effects.html", "effects.json", ("effects.png", "effects.svg"), "reduced.toml"
+REDUCED = "reduced.toml"
+NAMES = Names(stem="effects", tables=TABLES, further=(REDUCED,))
 
 HEADINGS = {
     "effects": "Which effects are on, and why", "smallest": "The smallest set", "trials": "Combinations that were run",
@@ -61,34 +62,15 @@ def effects_data(study: EffectsStudy) -> dict:
 
 def write_effects(study: EffectsStudy, out: Path) -> Path:
     """Write page, JSON, pictures, CSV tables and the reduced scene into `out`, each whole or not at all."""
-    from harness.report.figures import png_bytes, png_uri, svg_bytes
-    from harness.runs.atomic import write_bytes_atomic, write_json_atomic, write_text_atomic
     from harness.scene.write import write_scene
 
     out.mkdir(parents=True, exist_ok=True)
-    figure = effects_figure(study)
-    for name, rows in tables(study).items():
-        write_text_atomic(out / f"{name}.csv", csv_text(rows))
-    write_bytes_atomic(out / PICTURES[0], png_bytes(figure, dpi=110))
-    write_bytes_atomic(out / PICTURES[1], svg_bytes(figure))
-    write_json_atomic(out / DATA, effects_data(study))
     write_scene(study.reduced, study.scene_file, out / REDUCED, about=_about(study))
-    page = render_page(
-        title=f"What effects are worth: {study.scene.title}", lead=f"{summary(study)}.",
-        sections=_sections(study, Figure(uri=png_uri(figure), caption=CAPTION)),
-    )
-    write_text_atomic(out / PAGE, page)
-    return out / PAGE
-
-
-def check_places(out: Path) -> None:
-    """Raise InputError when a folder stands where a file of the report goes: before anything is run."""
-    for place in (out / name for name in (PAGE, DATA, REDUCED, *PICTURES, *(f"{name}.csv" for name in TABLES))):
-        if place.is_dir():
-            raise InputError(
-                file=place, expected="a file or nothing, as the report goes there", got="a folder",
-                fix="move it away or name another --out",
-            )
+    return write_files(out, NAMES, Written(
+        title=f"What effects are worth: {study.scene.title}", lead=f"{summary(study)}.", caption=CAPTION,
+        figure=effects_figure(study), tables=tables(study), data=effects_data(study),
+        sections=lambda figures: _sections(study, figures),
+    ))
 
 
 def summary(study: EffectsStudy) -> str:
@@ -102,12 +84,12 @@ def summary(study: EffectsStudy) -> str:
     )
 
 
-def _sections(study: EffectsStudy, figure: Figure) -> list[Section]:
+def _sections(study: EffectsStudy, figures: tuple[Figure, ...]) -> list[Section]:
     found = tables(study)
     parts = [Section(heading=HEADINGS[n], note=NOTES[n], rows=found[n]) for n in TABLES if found[n]]
     return [
         Section(heading="In words", note=paragraph(study)),
-        Section(heading="Time and answer", figures=(figure,)), *parts,
+        Section(heading="Time and answer", figures=figures), *parts,
         Section(heading="Reproduce", text=_command(study)),
     ]
 

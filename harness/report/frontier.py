@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import base64
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from harness.errors import InputError
+from harness.report.files import Names, Written, write_files
 from harness.report.frontier_figure import CAPTION, frontier_figure
 from harness.report.frontier_tables import summary, tables
-from harness.report.page import Figure, Section, render_page
-from harness.report.tables import Answer, csv_text
+from harness.report.page import Figure, Section
+from harness.report.tables import Answer
 
 if TYPE_CHECKING:
     from harness.studies.frontier.study import Frontiers
 
-PAGE, DATA, PICTURE = "frontier.html", "frontier.json", "frontier.png"
-TABLES = ("frontiers", "map", "scenes", "skipped")
+NAMES = Names(stem="frontier", tables=("frontiers", "map", "scenes", "skipped"), before="frontier_")
 
 HOW = (
     "Particles at rest under pressure get random velocities of 1e-4 of their overlaps times the frequency, so that no "
@@ -55,30 +53,18 @@ def frontier_data(done: Frontiers) -> dict:
 
 
 def write_frontier(done: Frontiers, out: Path) -> Path:
-    """Write frontier.html, .json, .png and CSV tables into `out`, each whole or not at all; return the page."""
-    from harness.report.figures import png_bytes
-    from harness.runs.atomic import write_bytes_atomic, write_json_atomic, write_text_atomic
-
-    out.mkdir(parents=True, exist_ok=True)
-    picture = png_bytes(frontier_figure(done), dpi=110)
-    for name, rows in tables(done).items():
-        write_text_atomic(out / f"frontier_{name}.csv", csv_text(rows))
-    write_bytes_atomic(out / PICTURE, picture)
-    write_json_atomic(out / DATA, frontier_data(done))
-    uri = f"data:image/png;base64,{base64.b64encode(picture).decode()}"
-    page = render_page(
-        title="The largest stable time step", lead=f"{summary(done)}.",
-        sections=frontier_sections(done, Figure(uri=uri, caption=CAPTION)),
-    )
-    write_text_atomic(out / PAGE, page)
-    return out / PAGE
+    """Write frontier.html, .json, .png, .svg and CSV tables into `out`, each whole or not at all; return the page."""
+    return write_files(out, NAMES, Written(
+        title="The largest stable time step", lead=f"{summary(done)}.", caption=CAPTION, figure=frontier_figure(done),
+        tables=tables(done), data=frontier_data(done), sections=lambda figures: frontier_sections(done, figures),
+    ))
 
 
-def frontier_sections(done: Frontiers, figure: Figure) -> list[Section]:
+def frontier_sections(done: Frontiers, figures: tuple[Figure, ...]) -> list[Section]:
     """Return the sections, for a page of its own or as part of another."""
     found = tables(done)
     sections = [
-        Section(heading="Frontiers", note=f"{HOW} {EXACT}", figures=(figure,)),
+        Section(heading="Frontiers", note=f"{HOW} {EXACT}", figures=figures),
         Section(heading="Laws and packings", rows=found["frontiers"]),
         Section(heading="Map", note=MAP, rows=found["map"]),
         Section(heading="What scenes are held against", note=SCENES, rows=found["scenes"]),
@@ -107,16 +93,6 @@ def command(done: Frontiers) -> str:
     """Return the command that measures this again."""
     size = " --full" if done.size == "full" else ""
     return f"grainproof frontier{size} --engines {','.join(done.versions)}"
-
-
-def check_places(out: Path) -> None:
-    """Raise InputError when a folder stands where a file of the report goes: before anything is run."""
-    for place in (out / name for name in (PAGE, DATA, PICTURE, *(f"frontier_{name}.csv" for name in TABLES))):
-        if place.is_dir():
-            raise InputError(
-                file=place, expected="a file or nothing, as the report goes there", got="a folder",
-                fix="move it away or name another --out",
-            )
 
 
 def _short(rows: list[dict]) -> list[dict]:

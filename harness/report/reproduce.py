@@ -12,6 +12,7 @@ from harness import __version__
 from harness.errors import InputError
 from harness.report.cost import COST_NOTE, cost_rows, host_rows, version_rows
 from harness.report.failures import entries
+from harness.report.files import refuse_folders
 from harness.report.matrix import matrices
 from harness.report.page import Entry, Figure, Section, render_page, words
 from harness.report.reproduce_figures import draw
@@ -89,11 +90,10 @@ def page_folder(study: Study, ask: Ask) -> Path:
 def check_report_place(study: Study, ask: Ask) -> None:
     """Raise InputError when the page's folder cannot be one, or a folder stands where a file goes: before any run."""
     folder = page_folder(study, ask)
-    wrong = next((p for p in (folder / n for n in (PAGE, DATA, ROWS, RATES)) if p.is_dir()), None)
-    if wrong is not None or (folder.exists() and not folder.is_dir()):
+    refuse_folders(folder, (PAGE, DATA, ROWS, RATES))
+    if folder.exists() and not folder.is_dir():
         raise InputError(
-            file=wrong or folder, expected="a file" if wrong else "a folder or nothing",
-            got="a folder" if wrong else "a file", fix="move it away or name another --out",
+            file=folder, expected="a folder or nothing", got="a file", fix="move it away or name another --out",
         )
 
 

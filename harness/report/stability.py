@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-import base64
 import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from harness.errors import InputError
-from harness.report.page import Entry, Figure, Section, render_page
+from harness.report.files import Names, Written, write_files
+from harness.report.page import Entry, Figure, Section
 from harness.report.stability_figure import CAPTION, stability_figure
 from harness.report.stability_tables import TABLES, count_rows, outcome_matrix, outcome_table, tables
-from harness.report.tables import Answer, csv_text
+from harness.report.tables import Answer
 
 if TYPE_CHECKING:
     from harness.studies.stability.cases import Case
     from harness.studies.stability.judge import Result
     from harness.studies.stability.study import Stability
 
-PAGE, DATA, PICTURE = "stability.html", "stability.json", "stability.png"
+NAMES = Names(stem="stability", tables=TABLES)
 
 MATRIX_NOTE = (
     "Stable: every invariant held. Degraded: one is beyond its tolerance, and the answer still means something. "
@@ -63,33 +62,12 @@ def case_list(cases: tuple[Case, ...]) -> Answer:
 
 
 def write_stability(stability: Stability, out: Path) -> Path:
-    """Write stability.html, .json, .png and CSV tables into `out`, each whole or not at all; return the page."""
-    from harness.report.figures import png_bytes
-    from harness.runs.atomic import write_bytes_atomic, write_json_atomic, write_text_atomic
-
-    out.mkdir(parents=True, exist_ok=True)
-    picture = png_bytes(stability_figure(stability), dpi=110)
-    for name, rows in tables(stability).items():
-        write_text_atomic(out / f"{name}.csv", csv_text(rows))
-    write_bytes_atomic(out / PICTURE, picture)
-    write_json_atomic(out / DATA, stability_data(stability))
-    uri = f"data:image/png;base64,{base64.b64encode(picture).decode()}"
-    page = render_page(
-        title="Hard cases: stable, or failing loudly?", lead=f"{summary(stability)}.",
-        sections=_sections(stability, Figure(uri=uri, caption=CAPTION)),
-    )
-    write_text_atomic(out / PAGE, page)
-    return out / PAGE
-
-
-def check_places(out: Path) -> None:
-    """Raise InputError when a folder stands where a file of the report goes: before anything is run."""
-    for place in (out / name for name in (PAGE, DATA, PICTURE, *(f"{name}.csv" for name in TABLES))):
-        if place.is_dir():
-            raise InputError(
-                file=place, expected="a file or nothing, as the report goes there", got="a folder",
-                fix="move it away or name another --out",
-            )
+    """Write stability.html, .json, .png, .svg and CSV tables into `out`, each whole or not at all; return the page."""
+    return write_files(out, NAMES, Written(
+        title="Hard cases: stable, or failing loudly?", lead=f"{summary(stability)}.", caption=CAPTION,
+        figure=stability_figure(stability), tables=tables(stability), data=stability_data(stability),
+        sections=lambda figures: _sections(stability, figures),
+    ))
 
 
 def summary(stability: Stability) -> str:
@@ -103,7 +81,7 @@ def summary(stability: Stability) -> str:
     )
 
 
-def _sections(stability: Stability, figure: Figure) -> list[Section]:
+def _sections(stability: Stability, figures: tuple[Figure, ...]) -> list[Section]:
     found = tables(stability)
     silent = tuple(_entry(r) for r in stability.results if r.ended == "failed_silently")
     surprising = tuple(_entry(r) for r in stability.surprises if r.ended != "failed_silently")
@@ -115,7 +93,7 @@ def _sections(stability: Stability, figure: Figure) -> list[Section]:
     return [
         *sections,
         Section(heading="Outcomes", note=MATRIX_NOTE, matrices=(outcome_matrix(stability),)),
-        Section(heading="At a glance", figures=(figure,)),
+        Section(heading="At a glance", figures=figures),
         Section(heading="Why", rows=[_why(r) for r in stability.results if r.reason and r.ended != "refused"]),
         Section(heading="Cases", rows=found["cases"]),
         Section(heading="Invariants", note=INVARIANT_NOTE, rows=found["invariants"]),

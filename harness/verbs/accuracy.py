@@ -40,12 +40,14 @@ def add(verbs) -> None:
 
 
 def _accuracy(options) -> int:
-    from harness.report.accuracy import check_places
+    from harness.report.accuracy import NAMES
+    from harness.report.accuracy_bulk import BULK_NAMES
     from harness.report.accuracy_expected import announcement
     from harness.runs.progress import progress_for
     from harness.studies.accuracy import accuracy
 
-    check_places(options.out)
+    for names in (NAMES, BULK_NAMES):
+        names.check(options.out)
     asked = {
         "engines": options.engines, "knob": options.knob, "ladder": options.ladder, "quantity": options.quantity,
         "packings": options.packings, "workers": options.workers,

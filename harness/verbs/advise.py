@@ -27,7 +27,7 @@ def add(verbs) -> None:
 
 
 def _advise(options) -> int:
-    from harness.report.advise import advise_answer, check_places, write_advice
+    from harness.report.advise import NAMES, advise_answer, write_advice
     from harness.report.advise_words import limits, paragraph
     from harness.scene.load import load_scene
     from harness.studies.advise import advise, read_evidence
@@ -36,7 +36,7 @@ def _advise(options) -> int:
     scene = load_scene(options.file)
     tolerance = asked_tolerance(scene, options.tolerance)
     asked_quantities(scene, [options.quantity] if options.quantity else None)
-    check_places(options.out)
+    NAMES.check(options.out)
     ladders, effects = _studies(options)
     evidence = read_evidence(
         scene, options.file, quantity=options.quantity, folder=ladders, effects=effects, tolerance=tolerance

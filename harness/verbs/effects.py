@@ -26,12 +26,12 @@ def add(verbs) -> None:
 
 
 def _effects(options) -> int:
-    from harness.report.effects import check_places, effects_answer, write_effects
+    from harness.report.effects import NAMES, effects_answer, write_effects
     from harness.report.effects_words import paragraph
     from harness.runs.progress import progress_for
     from harness.studies.effects import effects_study
 
-    check_places(options.out)
+    NAMES.check(options.out)
     study = effects_study(
         options.file, options.out, quantities=options.quantity, tolerance=options.tolerance, only=options.effects,
         engines=options.engines, by=options.by, packings=options.packings, time_limit=options.time_limit,

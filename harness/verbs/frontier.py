@@ -22,12 +22,12 @@ def add(verbs) -> None:
 def _frontier(options) -> int:
     from datetime import UTC, datetime
 
-    from harness.report.frontier import check_places, frontier_answer, write_frontier, write_scene_table
+    from harness.report.frontier import NAMES, frontier_answer, write_frontier, write_scene_table
     from harness.report.frontier_tables import summary
     from harness.runs.progress import progress_for
     from harness.studies.frontier import frontiers
 
-    check_places(options.out)
+    NAMES.check(options.out)
     done = frontiers(
         options.out, full=options.full, engines=options.engines, time_limit=options.time_limit,
         workers=options.workers, progress=progress_for,

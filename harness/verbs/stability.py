@@ -23,13 +23,13 @@ def add(verbs) -> None:
 
 
 def _stability(options) -> int:
-    from harness.report.stability import check_places, stability_answer, summary, write_stability
+    from harness.report.stability import NAMES, stability_answer, summary, write_stability
     from harness.runs.progress import progress_for
     from harness.studies.stability import stability
 
     if options.list:
         return _list(options)
-    check_places(options.out)
+    NAMES.check(options.out)
     done = stability(
         options.cases, options.out, engines=options.engines, long=options.long, time_limit=options.time_limit,
         workers=options.workers, progress=progress_for,

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from harness.errors import InputError
-from harness.report.accuracy import PICTURES, TABLES, accuracy_answer, check_places, write_accuracy
+from harness.report.accuracy import NAMES, accuracy_answer, write_accuracy
 from harness.report.accuracy_tables import tables
 from harness.report.accuracy_words import paragraph
 from harness.runs.outcome import Host
@@ -118,10 +118,10 @@ def test_all_files_hold_the_same(made, tmp_path):
     html = page.read_text()
     assert "&lt;30&gt;" in html
     assert "<30>" not in html
-    assert (tmp_path / PICTURES[0]).read_bytes().startswith(b"\x89PNG")
-    assert b"<svg" in (tmp_path / PICTURES[1]).read_bytes()
+    assert (tmp_path / NAMES.pictures[0]).read_bytes().startswith(b"\x89PNG")
+    assert b"<svg" in (tmp_path / NAMES.pictures[1]).read_bytes()
     data = json.loads((tmp_path / "accuracy.json").read_text())
-    for name in TABLES:
+    for name in NAMES.tables:
         rows = list(csv.DictReader((tmp_path / f"{name}.csv").open()))
         assert len(rows) == len(data["tables"][name]) > 0
     assert data["words"] == paragraph(made)
@@ -132,13 +132,13 @@ def test_all_files_hold_the_same(made, tmp_path):
 def test_pictures_are_the_same_every_time(made, tmp_path):
     for folder in ("a", "b"):
         write_accuracy(made, tmp_path / folder)
-    assert (tmp_path / "a" / PICTURES[1]).read_bytes() == (tmp_path / "b" / PICTURES[1]).read_bytes()
+    assert (tmp_path / "a" / NAMES.pictures[1]).read_bytes() == (tmp_path / "b" / NAMES.pictures[1]).read_bytes()
 
 
 def test_a_folder_in_the_way_is_found_before_anything_runs(tmp_path):
     (tmp_path / "slopes.csv").mkdir()
     with pytest.raises(InputError, match="slopes.csv"):
-        check_places(tmp_path)
+        NAMES.check(tmp_path)
 
 
 def test_exit_status_asks_for_one_good_rung_of_each(made):

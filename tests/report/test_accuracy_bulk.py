@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from harness.errors import InputError
-from harness.report.accuracy import check_places
-from harness.report.accuracy_bulk import BULK_TABLES, SCHEMA, bulk_answer, bulk_data, write_bulk
+from harness.report.accuracy_bulk import BULK_NAMES, SCHEMA, bulk_answer, bulk_data, write_bulk
 from harness.report.accuracy_bulk_tables import bulk_tables, shown_budget
 from harness.report.accuracy_bulk_words import bulk_paragraph
 from harness.report.accuracy_expected import announcement
@@ -150,7 +149,7 @@ def test_all_files_hold_the_same(made, tmp_path):
     data = json.loads((tmp_path / "accuracy.json").read_text())
     assert data["words"] == bulk_paragraph(made)
     assert len(data["rows"]) == len(bulk_data(made)["rows"])
-    for name in BULK_TABLES:
+    for name in BULK_NAMES.tables:
         with (tmp_path / f"{name}.csv").open() as file:
             assert len(list(csv.reader(file))) == len(rows_of(made, name)) + 1
     for picture in ("accuracy.png", "accuracy.svg"):
@@ -174,7 +173,7 @@ def test_a_study_without_any_answer_is_drawn_too(made, tmp_path):
 def test_a_folder_in_the_way_is_found_before(tmp_path):
     (tmp_path / "rungs.csv").mkdir()
     with pytest.raises(InputError, match="got a folder"):
-        check_places(tmp_path)
+        BULK_NAMES.check(tmp_path)
 
 
 def test_time_is_told_before():

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from harness.cli import main
-from harness.report.advise import PAGE, TABLES, advise_answer, write_advice
+from harness.report.advise import NAMES, advise_answer, write_advice
 from harness.report.advise_words import limits, paragraph
 from harness.scene.load import load_scene
 from harness.studies.advise import advise, read_evidence
@@ -37,7 +37,7 @@ def advised(tmp_path, tolerance, **more):
 def test_everything_is_written_and_the_scene_loads(tmp_path):
     advice = advised(tmp_path, 0.05)
     write_advice(advice, tmp_path / "out")
-    for name in (PAGE, "advice.json", "advice.png", "advised.toml", *(f"{t}.csv" for t in TABLES)):
+    for name in (NAMES.page, "advice.json", "advice.png", "advised.toml", *(f"{t}.csv" for t in NAMES.tables)):
         assert (tmp_path / "out" / name).stat().st_size > 0
     made = load_scene(tmp_path / "out" / "advised.toml")
     assert made == advice.scene
@@ -74,7 +74,7 @@ def test_without_an_answer_no_scene_is_left(tmp_path):
     none = advised(tmp_path, 0.002)
     write_advice(none, out)
     assert not (out / "advised.toml").exists()
-    assert "No setting is known that keeps friction_angle" in (out / PAGE).read_text()
+    assert "No setting is known that keeps friction_angle" in (out / NAMES.page).read_text()
     assert json.loads((out / "advice.json").read_text())["kept"] is False
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from harness.cli import main
 from harness.errors import InputError
-from harness.report.effects import PAGE, TABLES, check_places, effects_answer, write_effects
+from harness.report.effects import NAMES, effects_answer, write_effects
 from harness.report.effects_words import paragraph
 from harness.scene.load import load_scene
 from harness.studies.effects import effects_study, timing
@@ -54,7 +54,8 @@ def written(study, tmp_path_factory):
 
 
 def test_everything_is_written(written):
-    for name in (PAGE, "effects.json", "effects.png", "effects.svg", "reduced.toml", *(f"{t}.csv" for t in TABLES)):
+    names = ("effects.html", "effects.json", "effects.png", "effects.svg", "reduced.toml")
+    for name in (*names, *(f"{t}.csv" for t in NAMES.tables)):
         assert (written / name).stat().st_size > 0, name
 
 
@@ -65,7 +66,7 @@ def test_the_reduced_scene_is_one(written, study):
 
 
 def test_the_page_says_what_the_tables_say(written, study):
-    page = (written / PAGE).read_text()
+    page = (written / NAMES.page).read_text()
     for heading in ("The smallest set", "What a switch changes", "Off, and the coefficient at zero", "Reproduce"):
         assert heading in page
     rows = list(csv.DictReader(io.StringIO((written / "chosen.csv").read_text())))
@@ -89,9 +90,9 @@ def test_the_answer_has_no_number_that_is_not_one(study):
 
 
 def test_a_folder_in_the_way_is_refused_before_anything_is_run(tmp_path):
-    (tmp_path / PAGE).mkdir()
+    (tmp_path / NAMES.page).mkdir()
     with pytest.raises(InputError, match="expected a file or nothing"):
-        check_places(tmp_path)
+        NAMES.check(tmp_path)
 
 
 @pytest.mark.parametrize("words", [["--tolerance", "0"], ["--quantity", "nothing"], ["--effect", "nothing"]])

@@ -143,7 +143,7 @@ def test_the_page_holds_everything(study, ask, result):
 def test_places_are_looked_at_first(study, ask, tmp_path):
     check_report_place(study, ask)
     (page_folder(study, ask) / "report.html").mkdir(parents=True)
-    with pytest.raises(InputError, match="expected a file, got a folder"):
+    with pytest.raises(InputError, match="expected a file or nothing"):
         check_report_place(study, ask)
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="--keep"):

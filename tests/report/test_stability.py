@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from harness.errors import InputError
-from harness.report.stability import DATA, PICTURE, check_places, stability_answer, summary, write_stability
+from harness.report.stability import NAMES, stability_answer, summary, write_stability
 from harness.report.stability_figure import stability_figure
 from harness.report.stability_tables import TABLES, note, outcome_table, tables
 from harness.runs.outcome import Host
@@ -57,11 +57,11 @@ def test_everything_is_written_and_reads_back(made, tmp_path):
     assert "bad on lammps" in text
     assert "&lt;much&gt;" in text
     assert "<much>" not in text
-    assert (tmp_path / PICTURE).stat().st_size > 1000
+    assert (tmp_path / NAMES.pictures[0]).stat().st_size > 1000
     for name in TABLES:
         rows = list(csv.DictReader((tmp_path / f"{name}.csv").open()))
         assert len(rows) == len(tables(made)[name])
-    data = json.loads((tmp_path / DATA).read_text())
+    data = json.loads((tmp_path / NAMES.data).read_text())
     assert data["surprises"] == [["bad", "lammps"]]
     assert data["exit_status"] == 1
 
@@ -109,4 +109,4 @@ def test_people_get_the_outcomes_and_their_count(made):
 def test_a_folder_in_the_way_is_told_before_anything_runs(tmp_path):
     (tmp_path / "stability.html").mkdir()
     with pytest.raises(InputError, match="expected a file or nothing"):
-        check_places(tmp_path)
+        NAMES.check(tmp_path)
