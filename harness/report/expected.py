@@ -20,7 +20,11 @@ if TYPE_CHECKING:
     from harness.studies.reproduce.protocol import Case
 
 REPORT_SECONDS = 2.0
-"""Reading, judging, averaging and drawing (measured: 1.7 s for two bodies, 2.5 s for a box of 200 discs)."""
+"""Start and a page (measured: 1.7 s for two bodies)."""
+RUN_SECONDS = 0.4
+"""Reading, checking and judging one run (33 runs of 200 discs: 20 s)."""
+PARTICLE_FRAME_SECONDS = 2.5e-5
+"""Averaging and drawing a particle in a frame (947 in 5 runs of 250 frames: 28 s; 1950 in 5 of 50: 19 s)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,6 +55,12 @@ def run_seconds(engine: Engine, system: System) -> float:
     return engine.startup_seconds + 1e-6 * engine.microseconds_per_step(system) * system.steps
 
 
+def judging_seconds(system: System, runs: int) -> float:
+    """Return the seconds in which runs are read, averaged, judged and drawn; REPORT_SECONDS come once."""
+    frames = system.steps // system.frame_every
+    return runs * (RUN_SECONDS + PARTICLE_FRAME_SECONDS * frames * len(system.particles))
+
+
 def refusals(engine: Engine, system: System) -> list[str]:
     """Return why an engine would not run the system; empty if it would."""
     refused = (s for s in engine.supports(system) if s.level in REFUSED)
@@ -74,7 +84,8 @@ def expected_comparison(
     at_once = max(1, min(workers or usable_cores(), len(costs)))
     packings = starts if needs_packing(scene) else 0
     return Expected(
-        seconds=packings * packing_seconds(scene, system) + longest_first(costs, at_once) + REPORT_SECONDS,
+        seconds=packings * packing_seconds(scene, system) + longest_first(costs, at_once)
+        + judging_seconds(system, len(costs)) + REPORT_SECONDS,
         runs=len(costs), packings=packings, at_once=at_once,
     )
 
@@ -105,16 +116,18 @@ def expected_cases(
     from harness.runs.outcome import usable_cores
 
     costs: list[float] = []
-    packing, packings = 0.0, 0
+    packing, packings, judging = 0.0, 0, REPORT_SECONDS
     for case in cases:
         system = likely_system(case.scene, case.file)
-        costs += [run_seconds(e, system) for e in engines if e.probe().available and takes(e, system)] * case.packings
+        each = [run_seconds(e, system) for e in engines if e.probe().available and takes(e, system)]
+        costs += each * case.packings
+        judging += judging_seconds(system, len(each) * case.packings)
         if needs_packing(case.scene):
             packing += case.packings * packing_seconds(case.scene, system)
             packings += case.packings
     at_once = max(1, min(workers or usable_cores(), len(costs)))
     return ExpectedCases(
-        seconds=packing + longest_first(costs, at_once) + REPORT_SECONDS, cpu=packing + sum(costs), runs=len(costs),
+        seconds=packing + longest_first(costs, at_once) + judging, cpu=packing + sum(costs), runs=len(costs),
         packings=packings, at_once=at_once,
     )
 

@@ -5,7 +5,14 @@ from pathlib import Path
 import pytest
 
 from harness.engines.registry import ENGINES, choose_engines
-from harness.report.expected import expected_comparison, likely_system, longest_first, packing_seconds, run_seconds
+from harness.report.expected import (
+    expected_comparison,
+    judging_seconds,
+    likely_system,
+    longest_first,
+    packing_seconds,
+    run_seconds,
+)
 from harness.report.scene import scene_answer
 from harness.scene.load import load_scene
 
@@ -31,7 +38,8 @@ def test_packings_and_runs_add_up():
     one, several = (expected_comparison(scene, system, KERNELS, starts=n, workers=1) for n in (1, 3))
     assert (one.runs, one.packings, several.runs, several.packings) == (2, 1, 6, 3)
     each = packing_seconds(scene, system) + sum(run_seconds(e, system) for e in KERNELS)
-    assert several.seconds - one.seconds == pytest.approx(2 * each)
+    judged = judging_seconds(system, 6) - judging_seconds(system, 2)
+    assert several.seconds - one.seconds == pytest.approx(2 * each + judged)
     assert several.says.startswith("6 runs and 3 packings, on idle cores;")
 
 
