@@ -1,4 +1,4 @@
-"""How long a bulk accuracy study is expected to take: rough, said before anything is made."""
+"""How long an accuracy study is expected to take: rough, said before anything is made."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ from harness.scene.system import System
 from harness.studies.accuracy.asked import Asked, asked_all
 from harness.studies.accuracy.bulk import bulk_engines, packing_count
 from harness.studies.accuracy.bulk_plan import Setting, bare_settings
+from harness.studies.accuracy.steps import ladders
+from harness.studies.accuracy.study import chosen_engines, phase_count
 from harness.studies.accuracy.turn import stepped_system
 
 OWN = ("own", 0.0)
@@ -23,19 +25,34 @@ OWN = ("own", 0.0)
 
 def announcement(
     scene_file: Path, *, knob: str | None, ladder: Sequence[float] | None, quantity: str | None,
-    engines: Sequence[str] | None, packings: int | None, workers: int | None,
+    engines: Sequence[str] | None, packings: int | None, phases: int | None, workers: int | None,
 ) -> str:
-    """Return a line on how long a study takes, "" of free scenes, which take seconds. Raises InputError."""
+    """Return a line on how long a study takes. Raises InputError."""
     scene = load_scene(scene_file)
-    if isinstance(scene, Free):
-        return ""
     wanted = asked_all(scene, scene_file, knob=knob, ladder=ladder, quantity=quantity)
-    expected = expected_bulk(
-        scene, scene_file, wanted, bulk_engines(engines, wanted), packings=packing_count(scene, packings),
-        workers=workers,
-    )
-    row = time_row("accuracy", expected.seconds, expected.says)
+    if isinstance(scene, Free):
+        able = chosen_engines(engines, wanted[0])
+        expected = expected_free(scene, scene_file, wanted[0], able, phases=phase_count(phases), workers=workers)
+        more = "; oracles and timing come on top"
+    else:
+        expected = expected_bulk(
+            scene, scene_file, wanted, bulk_engines(engines, wanted), packings=packing_count(scene, packings),
+            workers=workers,
+        )
+        more = ""
+    row = time_row("accuracy", expected.seconds, expected.says + more)
     return f"expected: about {row.text} for {row.note}"
+
+
+def expected_free(
+    scene: Free, file: Path, wanted: Asked, engines: Sequence[Engine], *, phases: int, workers: int | None = None
+) -> Expected:
+    """Return what all rungs of a free scene take, phases side by side, without oracles and timing sessions."""
+    cases = ladders(scene, file, wanted.values, phases).cases
+    able = [e for e in engines if e.probe().available]
+    costs = [run_seconds(e, p.system) for c in cases for p in c.phased for e in able if takes(e, p.system)]
+    at_once = max(1, min(workers or usable_cores(), len(costs)))
+    return Expected(seconds=longest_first(costs, at_once), runs=len(costs), packings=0, at_once=at_once)
 
 
 def expected_bulk(

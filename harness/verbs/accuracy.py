@@ -52,9 +52,7 @@ def _accuracy(options) -> int:
         "engines": options.engines, "knob": options.knob, "ladder": options.ladder, "quantity": options.quantity,
         "packings": options.packings, "workers": options.workers,
     }
-    expected = announcement(options.file, **asked)
-    if expected:
-        print(expected, file=sys.stderr, flush=True)
+    print(announcement(options.file, **asked, phases=options.phases), file=sys.stderr, flush=True)
     done = accuracy(
         options.file, options.out, **asked, phases=options.phases, time_limit=options.time_limit, progress=progress_for
     )

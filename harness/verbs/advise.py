@@ -74,9 +74,7 @@ def _run_accuracy(options, out: Path) -> None:
         "engines": options.engines, "knob": None, "ladder": None, "quantity": options.quantity,
         "packings": options.packings, "workers": options.workers,
     }
-    expected = announcement(options.file, **asked)
-    if expected:
-        print(expected, file=sys.stderr, flush=True)
+    print(announcement(options.file, **asked, phases=None), file=sys.stderr, flush=True)
     done = accuracy(options.file, out, **asked, time_limit=options.time_limit, progress=progress_for)
     write = write_bulk if isinstance(done, BulkAccuracy) else write_accuracy
     write(done, out)

@@ -93,7 +93,7 @@ def free_accuracy(
     """Climb the ladder of steps of a free scene."""
     begun, own = time.monotonic(), time.process_time()
     chosen = chosen_engines(engines, wanted)
-    count = _phase_count(phases)
+    count = phase_count(phases)
     rungs = ladders(scene, scene_file, wanted.values, count)
     _require_quantity(scene, wanted)
     tracks = climb(
@@ -125,7 +125,8 @@ def chosen_engines(words: Sequence[str] | None, wanted: Asked) -> tuple[Engine, 
     return choose_engines(list(USUAL))
 
 
-def _phase_count(phases: int | None) -> int:
+def phase_count(phases: int | None) -> int:
+    """Return the number of phases of the step; PHASES unless asked otherwise. Raises InputError."""
     count = PHASES if phases is None else phases
     if not 2 <= count <= MOST_PHASES:
         raise InputError(file="--phases", expected=f"a number from 2 to {MOST_PHASES}", got=count)
