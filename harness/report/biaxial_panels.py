@@ -1,4 +1,4 @@
-"""What a biaxial box shows quantity by quantity: wall curves over all packings, averages of the frames."""
+"""What a biaxial box shows quantity by quantity, over all packings: wall curves and averages of the frames."""
 
 from __future__ import annotations
 
@@ -9,7 +9,10 @@ from harness.report import figures
 from harness.report.bands import Band, band_over
 from harness.report.page import Figure
 from harness.report.panels import counted, draw_bands, panel
+from harness.studies.compare.biaxial_quantities import OF_FRAMES
 from harness.studies.compare.curves import BiaxialCurves, biaxial_curves
+from harness.studies.compare.states import StateCurves, state_curves
+from postproc.results import headed
 
 if TYPE_CHECKING:
     from harness.studies.compare.study import Comparison
@@ -40,12 +43,43 @@ def wall_panels(comparison: Comparison) -> tuple[Figure, ...]:
 
 def calm_panels(comparison: Comparison) -> tuple[Figure, ...]:
     """How calm the sample was: the side wall's error and, with recorded contacts, energies and residual forces."""
-    return (*_wall_panels(comparison, CONTROL), *_state_panels(comparison, UNREST, log=True))
+    return (*_wall_panels(comparison, CONTROL), *_state_panels(comparison, UNREST))
 
 
 def average_panels(comparison: Comparison) -> tuple[Figure, ...]:
-    """Averages of the independent post-processor that the frames can give; none without contacts."""
-    return _state_panels(comparison, AVERAGES)
+    """Averages of the independent post-processor that all frames can give, with bands; none without contacts."""
+    bands = average_bands(comparison)
+    return tuple(_average_panel(comparison, q, bands[q]) for q in bands)
+
+
+def average_bands(comparison: Comparison) -> dict[str, dict[str, Band]]:
+    """Return quantity -> engine -> band over strain, of those AVERAGES that the frames of every run can give."""
+    states = _all_states(comparison)
+    every = [s for of in states.values() for s in of]
+    shown = [q for q in AVERAGES if every and all(q in s.values for s in every)]
+    return {
+        q: {e: band_over([s.strain for s in of], [s.values[q] for s in of]) for e, of in states.items()} for q in shown
+    }
+
+
+def _all_states(comparison: Comparison) -> dict[str, list[StateCurves]]:
+    """Return the frame averages of all completed runs by engine; those of the first packing stand already."""
+    first = comparison.result.states
+    found: dict[str, list[StateCurves]] = {e: [] for e in first}
+    for r in comparison.completed:
+        known = first[r.engine] if r.packing == 0 else None
+        states = known or state_curves(r.trajectory, comparison.starts[r.packing].system)
+        found.setdefault(r.engine, []).append(states)
+    return found
+
+
+def _average_panel(comparison: Comparison, quantity: str, bands: dict[str, Band]) -> Figure:
+    label = headed(quantity, next(iter(comparison.result.states.values())).units[quantity])
+    judged = "Judged at the declared strains. " if quantity in OF_FRAMES and comparison.result.judged else ""
+    return panel(
+        lambda axes: draw_bands(axes, bands, x=STRAIN, y=label, scale=(100.0, 1.0), marker="."),
+        f"{_sentence(quantity)} {judged}{counted(bands)}",
+    )
 
 
 def _wall_panels(comparison: Comparison, wanted) -> tuple[Figure, ...]:
@@ -75,18 +109,21 @@ def _all_curves(comparison: Comparison) -> dict[str, list[BiaxialCurves]]:
     return found
 
 
-def _state_panels(comparison: Comparison, wanted: Sequence[str], *, log: bool = False) -> tuple[Figure, ...]:
+def _state_panels(comparison: Comparison, wanted: Sequence[str]) -> tuple[Figure, ...]:
     """Averages of the frames of the first packing, of those quantities that every engine's frames can give."""
     states = comparison.result.states
     shown = [q for q in wanted if states and all(q in s.values for s in states.values())]
-    return tuple(_state_panel(states, q, log=log, of_several=len(comparison.starts) > 1) for q in shown)
+    return tuple(_state_panel(states, q, of_several=len(comparison.starts) > 1) for q in shown)
 
 
-def _state_panel(states, quantity: str, *, log: bool, of_several: bool) -> Figure:
+def _state_panel(states, quantity: str, *, of_several: bool) -> Figure:
     def draw(axes) -> None:
         figures.draw_states(axes, states, quantity)
-        if log and any((s.values[quantity] > 0).any() for s in states.values()):
+        if any((s.values[quantity] > 0).any() for s in states.values()):
             axes.set_yscale("log", nonpositive="mask")
 
-    caption = f"{quantity[0].upper()}{quantity[1:]}."
-    return panel(draw, f"{caption} First packing." if of_several else caption)
+    return panel(draw, f"{_sentence(quantity)} First packing." if of_several else _sentence(quantity))
+
+
+def _sentence(quantity: str) -> str:
+    return f"{quantity[0].upper()}{quantity[1:]}."

@@ -15,7 +15,7 @@ WIDTH, HEIGHT, DPI = 4.4, 3.1, 140
 LABEL = 34
 """Characters of a label that stand beside an axis of this height."""
 
-BAND = "A band is the mean over packings +- its standard error s/√n"
+BAND = "A band is the mean over an engine's runs +- its standard error s/√n"
 
 
 def panel(draw: Callable[..., None], caption: str) -> Figure:
@@ -29,13 +29,16 @@ def panel(draw: Callable[..., None], caption: str) -> Figure:
 
 
 def draw_bands(
-    axes, bands: Mapping[str, Band], *, x: str, y: str, scale: tuple[float, float] = (1.0, 1.0)
+    axes, bands: Mapping[str, Band], *, x: str, y: str, scale: tuple[float, float] = (1.0, 1.0), marker: str = ""
 ) -> None:
-    """Draw every engine's mean, and its error where there is one. scale: of places and of values."""
+    """Draw every engine's mean, and its error where there is one. scale: of places and of values.
+
+    marker: shows the places, where they are few.
+    """
     for engine, b in bands.items():
         style = figures.line_style(engine)
         place, mean = scale[0] * b.place, scale[1] * b.mean
-        axes.plot(place, mean, **style)
+        axes.plot(place, mean, marker=marker, ms=3, **style)
         if b.error is not None:
             error = scale[1] * b.error
             axes.fill_between(place, mean - error, mean + error, color=style["color"], alpha=0.2, lw=0)

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from harness.engines.child import children_stopped
 from harness.runs.cores import Cores, cores_for
 from harness.runs.execute import run_one
+from harness.runs.executors import Requesting
 from harness.runs.folder import RunFolder, require_root
 from harness.runs.native import NativePolicy
 from harness.runs.outcome import Outcome, describe_outcome, host_facts, usable_cores
@@ -88,8 +89,9 @@ def run_many(
 
     On an interrupt (Ctrl-C, SIGTERM, SIGHUP) nothing more is started, engines are killed and their
     folders stay unfinished; output that is just being read is kept; then KeyboardInterrupt or
-    SystemExit goes on. An executor of other processes has to see to its own engines: Ctrl-C in a
-    terminal reaches them, a signal to this process alone does not.
+    SystemExit goes on. Those of `harness.runs.executors` end their engines, too, except for jobs of a queue; another
+    executor of other processes has to see to its own: Ctrl-C in a terminal reaches them, a signal to this process
+    alone does not.
     Errors of the harness are raised together, as ExceptionGroup, once all other jobs are done; the
     runs of those are on disk. Raises InputError when runs cannot be kept at `root`.
     """
@@ -107,7 +109,7 @@ def run_many(
                 futures[_submit(pool, cores, p, root, time_limit=time_limit, force=force, native=native)] = p
             _watch(futures, progress)
         except BaseException:
-            _stop(futures)
+            _stop(futures, executor)
             raise
         finally:
             progress.end()
@@ -164,9 +166,11 @@ def _last_words(future: Future, planned: _Planned) -> str:
     return f"{label}: error in the harness: {type(error).__name__}: {error}"
 
 
-def _stop(futures: dict[Future, _Planned]) -> None:
+def _stop(futures: dict[Future, _Planned], executor: Executor | None) -> None:
     begun = [future for future in futures if not future.cancel()]
     with children_stopped():
+        if isinstance(executor, Requesting):
+            executor.stop()
         wait(begun)
 
 
