@@ -154,6 +154,15 @@ def _reap(process: subprocess.Popen) -> tuple[float, bool]:
     return usage.ru_utime + usage.ru_stime, stopped
 
 
+FOREIGN_LAUNCHERS = ("SLURM_", "PMI_", "PMIX_")
+"""Variables of whoever launched the harness itself. Open MPI takes them for its own orders: LIGGGHTS in a Slurm step,
+started as it is here and not by srun, aborts before MPI_INIT (Slurm 22.05, Open MPI 4.1)."""
+
+
 def one_thread_env() -> dict[str, str]:
-    """One thread an engine: fair timings, and no oversubscription by a pool of runs."""
-    return dict(os.environ, OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", MKL_NUM_THREADS="1")
+    """Return the environment of an engine: one thread, and no word of a queue.
+
+    One thread: fair timings, and no oversubscription by a pool of runs. An engine's own MPI starts on this machine.
+    """
+    kept = {k: v for k, v in os.environ.items() if not k.startswith(FOREIGN_LAUNCHERS)}
+    return kept | dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")

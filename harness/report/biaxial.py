@@ -22,12 +22,14 @@ SHOWN_STRAINS = (0.0, 0.011, 0.042, 0.091)
 """Axial strains of the talk's pictures: 0, 1.1, 4.2 and 9.1 per cent."""
 
 
-TABLES = ("macro", "phases", "deviation", "curves", "states", "growth", "replicates")
+TABLES = ("macro", "phases", "deviation", "curves", "states", "averages", "growth", "replicates")
 
 
 def tables(comparison: Comparison) -> dict[str, list[dict]]:
     """Rows by table name: macroscopic numbers, parts of the test, curves sample by sample, state averages."""
-    rows = (macro_rows, phase_rows, deviation_rows, curve_rows, state_rows, growth_rows, _replicate_rows)
+    rows = (
+        macro_rows, phase_rows, deviation_rows, curve_rows, state_rows, average_rows, growth_rows, _replicate_rows,
+    )
     return {name: make(comparison) for name, make in zip(TABLES, rows, strict=True)}
 
 
@@ -167,6 +169,16 @@ def state_rows(comparison: Comparison) -> list[dict]:
     ]
 
 
+def average_rows(comparison: Comparison) -> list[dict]:
+    """One row a quantity, engine and frame: mean over the engine's runs, standard error (None of a single one)."""
+    return [
+        {"quantity": q, "unit": comparison.result.replicates[e][0].units[q], "engine": e, "strain": float(b.place[k]),
+         "mean": float(b.mean[k]), "standard error": None if b.error is None else float(b.error[k]), "runs": b.count}
+        for q, bands in biaxial_panels.average_bands(comparison).items() for e, b in bands.items()
+        for k in range(len(b.place))
+    ]
+
+
 def _replicate_rows(comparison: Comparison) -> list[dict]:
     return replicate_rows(comparison.result.judged)
 
@@ -202,18 +214,25 @@ FORCE_CAPTION = (
 
 def _averages(comparison: Comparison) -> list[Section]:
     shown = biaxial_panels.average_panels(comparison)
-    note = " ".join(filter(None, (AVERAGE_NOTE, _absent(comparison))))
+    judged = comparison.result.judged
+    paired = PAIRED_NOTE if judged and judged[0].tested.difference.paired else ""
+    note = " ".join(filter(None, (AVERAGE_NOTE, paired, _absent(comparison))))
     return [Section(heading="Micro-macro averages", note=note, figures=shown)] if shown else []
 
 
 AVERAGE_NOTE = (
     'Averages of the independent post-processor from particles and contacts; "inner" leaves out a border layer.'
 )
+PAIRED_NOTE = (
+    "Bands of two codes may overlap although the codes differ: bands hold what packings do to all codes alike, which "
+    "the differences over replicates leave out."
+)
 
 
 def _absent(comparison: Comparison) -> str:
     """Say which quantities the frames cannot give, and why."""
-    reasons = {q: why for s in comparison.result.states.values() for q, why in s.absent.items()}
+    every = (s for of in comparison.result.replicates.values() for s in of)
+    reasons = {q: why for s in every for q, why in s.absent.items()}
     return "".join(f"Not available: {q}, as {why}. " for q, why in reasons.items()).strip()
 
 

@@ -11,7 +11,6 @@ from harness.report.page import Figure
 from harness.report.panels import counted, draw_bands, panel
 from harness.studies.compare.biaxial_quantities import OF_FRAMES
 from harness.studies.compare.curves import BiaxialCurves, biaxial_curves
-from harness.studies.compare.states import StateCurves, state_curves
 from postproc.results import headed
 
 if TYPE_CHECKING:
@@ -33,6 +32,7 @@ AVERAGES = (
     "volume fraction, inner", "coordination number, inner", "coordination number without rattlers, inner",
     "fabric deviator, inner", "friction angle, inner", "sigma_zz from contacts",
 )
+JUDGED = "Judged over replicates, in the frames nearest to compare.strains. "
 UNREST = ("kinetic over elastic energy", "largest residual force")
 
 
@@ -48,37 +48,25 @@ def calm_panels(comparison: Comparison) -> tuple[Figure, ...]:
 
 def average_panels(comparison: Comparison) -> tuple[Figure, ...]:
     """Averages of the independent post-processor that all frames can give, with bands; none without contacts."""
-    bands = average_bands(comparison)
-    return tuple(_average_panel(comparison, q, bands[q]) for q in bands)
+    return tuple(_average_panel(comparison, q, bands) for q, bands in average_bands(comparison).items())
 
 
 def average_bands(comparison: Comparison) -> dict[str, dict[str, Band]]:
     """Return quantity -> engine -> band over strain, of those AVERAGES that the frames of every run can give."""
-    states = _all_states(comparison)
-    every = [s for of in states.values() for s in of]
+    runs = comparison.result.replicates
+    every = [s for of in runs.values() for s in of]
     shown = [q for q in AVERAGES if every and all(q in s.values for s in every)]
     return {
-        q: {e: band_over([s.strain for s in of], [s.values[q] for s in of]) for e, of in states.items()} for q in shown
+        q: {e: band_over([s.strain for s in of], [s.values[q] for s in of]) for e, of in runs.items()} for q in shown
     }
 
 
-def _all_states(comparison: Comparison) -> dict[str, list[StateCurves]]:
-    """Return the frame averages of all completed runs by engine; those of the first packing stand already."""
-    first = comparison.result.states
-    found: dict[str, list[StateCurves]] = {e: [] for e in first}
-    for r in comparison.completed:
-        known = first[r.engine] if r.packing == 0 else None
-        states = known or state_curves(r.trajectory, comparison.starts[r.packing].system)
-        found.setdefault(r.engine, []).append(states)
-    return found
-
-
 def _average_panel(comparison: Comparison, quantity: str, bands: dict[str, Band]) -> Figure:
-    label = headed(quantity, next(iter(comparison.result.states.values())).units[quantity])
-    judged = "Judged at the declared strains. " if quantity in OF_FRAMES and comparison.result.judged else ""
+    label = headed(quantity, next(iter(comparison.result.replicates.values()))[0].units[quantity])
+    judged = quantity in OF_FRAMES and comparison.result.judged
     return panel(
         lambda axes: draw_bands(axes, bands, x=STRAIN, y=label, scale=(100.0, 1.0), marker="."),
-        f"{_sentence(quantity)} {judged}{counted(bands)}",
+        f"{_sentence(quantity)} {JUDGED if judged else ''}{counted(bands)}",
     )
 
 

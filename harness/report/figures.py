@@ -89,7 +89,13 @@ def draw_growth(axes, growth: Mapping[str, Growth]) -> None:
     axes.set_xlabel(f"time ({unit})")
     axes.set_ylabel("rms |Δx| / mean diameter")
     axes.grid(alpha=0.3, which="both")
-    axes.legend(fontsize=7)
+    small_legend(axes)
+
+
+def small_legend(axes) -> None:
+    """Name what is drawn, if anything is: a pair whose run failed has no curve."""
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(fontsize=7)
 
 
 def draw_signal_deviation(axes, comparison: Comparison, *, left: float = 1e-4) -> None:
@@ -113,7 +119,7 @@ def draw_signal_deviation(axes, comparison: Comparison, *, left: float = 1e-4) -
     axes.set_xlabel(any_.axis)
     axes.set_ylabel(f"relative difference of the {any_.quantity}")
     axes.grid(alpha=0.3)
-    axes.legend(fontsize=7)
+    small_legend(axes)
 
 
 def draw_force_chains(axes, frame: Snapshot, *, full_width: float, view: np.ndarray) -> None:

@@ -12,7 +12,7 @@ import threading
 from collections import deque
 from collections.abc import Callable
 from concurrent import futures
-from concurrent.futures import Executor, Future
+from concurrent.futures import BrokenExecutor, Executor, Future
 from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from pathlib import Path
@@ -21,6 +21,7 @@ from typing import Literal, NamedTuple, get_args
 from harness.errors import InputError
 from harness.runs.lease import Lease, while_held
 from harness.runs.outcome import usable_cores
+from harness.runs.signals import deaf_threads, undisturbed
 
 Kind = Literal["local", "slurm"]
 
@@ -28,6 +29,19 @@ KINDS: tuple[str, ...] = get_args(Kind)
 INSTALL = 'pip install "grainproof[cluster]"'
 MARGIN = 600.0
 """Seconds beyond an engine's time limit: the start of Python, reading and checking of the output."""
+JOB = """\
+#!/bin/bash
+#SBATCH --job-name=grainproof
+#SBATCH --output=job.out
+#SBATCH --chdir={{working_directory}}
+#SBATCH --nodes=1
+#SBATCH --ntasks={{cores}}
+#SBATCH --time={{[1, run_time_max // 60] | max}}
+
+{{command}}
+"""
+"""What a queue is told of a run. It names no partition or account, so that Slurm's own defaults hold and those of
+$SBATCH_PARTITION and $SBATCH_ACCOUNT; the line of pysqa's own script, which names an empty one, Slurm refuses."""
 CACHE = ".executor"
 """Folder below the results: the lease that runs look at, and what executorlib passes on to a queue."""
 
@@ -39,14 +53,15 @@ class Requesting(Executor):
     the harness.
     """
 
-    def __init__(self, inner: Executor, *, timed: bool, lease: Lease | None = None):
+    def __init__(self, inner: Executor, *, timed: bool, lease: Lease | None = None, job: str | None = None):
         self._inner, self._timed, self._lease = inner, timed, lease
+        self._job = {} if job is None else {"submission_template": job}
 
     def submit(self, fn: Callable, /, *args, **options) -> Future:
         """Submit ``fn(engine, ...)`` with a request for the engine's processes and its `time_limit`."""
         limit = options["time_limit"] if self._timed else None
         work = (fn, *args) if self._lease is None else (while_held, self._lease.path, fn, *args)
-        return self._inner.submit(*work, resource_dict=request(args[0], limit), **options)
+        return self._inner.submit(*work, resource_dict=request(args[0], limit) | self._job, **options)
 
     def stop(self) -> None:
         """End the runs that are being made, wherever they are; nothing can be submitted afterwards."""
@@ -55,8 +70,9 @@ class Requesting(Executor):
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """End the inner one, then the lease."""
-        self._inner.shutdown(wait=wait, cancel_futures=cancel_futures)
-        self.stop()
+        with undisturbed():
+            self._inner.shutdown(wait=wait, cancel_futures=cancel_futures)
+            self.stop()
 
 
 class _Waiting(NamedTuple):
@@ -122,6 +138,12 @@ class InTurn(Requesting):
         super().shutdown()
 
 
+def lost(error: BaseException) -> bool:
+    """Return whether an executor says that a worker or a job of a queue is gone: killed, out of memory, cancelled."""
+    ours = type(error).__module__.startswith("executorlib") or str(error).startswith("executorlib: queue job")
+    return isinstance(error, BrokenExecutor) or ours
+
+
 def request(engine, time_limit: float | None) -> dict[str, int]:
     """Return what a run asks for, in executorlib's words; without a time limit no time, which only queues know.
 
@@ -152,12 +174,24 @@ def executor(kind: Kind | None, out: Path) -> AbstractContextManager[Executor | 
     cache.mkdir(parents=True, exist_ok=True)
     _forget_results(cache)
     if kind == "slurm" and not inside:
-        return Requesting(executorlib.SlurmClusterExecutor(cache_directory=str(cache)), timed=True)
+        _require_pysqa()
+        with deaf_threads():
+            return Requesting(executorlib.SlurmClusterExecutor(cache_directory=str(cache)), timed=True, job=JOB)
     lease = Lease(cache)
     if kind == "slurm":
         return Requesting(executorlib.SlurmJobExecutor(disable_dependencies=True), timed=True, lease=lease)
     inner = executorlib.SingleNodeExecutor(disable_dependencies=True, hostname_localhost=True)
     return InTurn(inner, cores=usable_cores(), lease=lease)
+
+
+def _require_pysqa() -> None:
+    from importlib.util import find_spec
+
+    if find_spec("pysqa") is None:
+        raise InputError(
+            file="--executor", expected="pysqa, through which executorlib asks a queue", got="none installed",
+            fix=INSTALL,
+        )
 
 
 def _forget_results(cache: Path) -> None:

@@ -15,6 +15,7 @@ import tempfile
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,9 @@ POLL = 0.2
 GRACE = 30.0
 """Seconds that output which is just being read may take to be kept, once the engine has ended."""
 
+FRESH = 60.0
+"""Seconds for which a file that nobody holds may be one that is about to be locked."""
+
 GONE = 75
 """Exit status of a process that ends because its harness is gone: EX_TEMPFAIL of sysexits.h, try again."""
 
@@ -34,6 +38,7 @@ class Lease:
     """A locked file in `folder`, named by this machine; freed by `release`, with the object, or with its process."""
 
     def __init__(self, folder: Path):
+        _bury(folder)
         number, name = tempfile.mkstemp(prefix=f"harness@{socket.gethostname()}@", suffix=".lock", dir=folder)
         self._handle, self.path = os.fdopen(number), Path(name)
         fcntl.flock(self._handle, fcntl.LOCK_EX)
@@ -42,6 +47,14 @@ class Lease:
         """End all runs that look at it; a second call does nothing."""
         self.path.unlink(missing_ok=True)
         self._handle.close()
+
+
+def _bury(folder: Path) -> None:
+    """Delete what killed harnesses of this machine left; not what another one has just made and is about to lock."""
+    for path in folder.glob(f"harness@{socket.gethostname()}@*.lock"):
+        with suppress(FileNotFoundError):  # another harness was faster
+            if time.time() - path.stat().st_mtime > FRESH and Watch(path).gone():
+                path.unlink()
 
 
 class Watch:

@@ -7,11 +7,10 @@ systems must pickle) or a cluster's executor: anything that follows `concurrent.
 
 from __future__ import annotations
 
-import signal
-import threading
-from collections.abc import Iterable, Iterator
+import os
+from collections.abc import Iterable
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
-from contextlib import contextmanager, nullcontext
+from contextlib import nullcontext
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -19,12 +18,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from harness.engines.child import children_stopped
 from harness.runs.cores import Cores, cores_for
-from harness.runs.execute import run_one
-from harness.runs.executors import Requesting
+from harness.runs.execute import outcome_of, run_one
+from harness.runs.executors import Requesting, lost
 from harness.runs.folder import RunFolder, require_root
 from harness.runs.native import NativePolicy
 from harness.runs.outcome import Outcome, describe_outcome, host_facts, usable_cores
 from harness.runs.progress import Progress, Silent
+from harness.runs.signals import hear_no_more, terminable
 
 if TYPE_CHECKING:
     from harness.engines.protocol import Engine, Probe
@@ -67,6 +67,13 @@ class _Planned:
         """Say how the run ended, and of one that is older than this call that it was kept."""
         kept = f"kept, made {outcome.finished:%Y-%m-%d %H:%M} UTC: " if outcome.started < self.since else ""
         return f"{self.job.label}: {kept}{describe_outcome(outcome)}"
+
+    def lost(self, error: BaseException) -> Outcome:
+        """Return the outcome of a run whose worker is gone; its folder is unfinished, the next call makes it."""
+        return outcome_of(
+            self.job.engine, self.job.system, self.probe, started=self.since, load_average=os.getloadavg()[0],
+            status="crashed", reason=f"whoever made this run is gone: {error}",
+        )
 
     def fraction(self) -> float:
         """Return the part of the steps that is done, 0 while the engine's table cannot be read."""
@@ -163,10 +170,13 @@ def _last_words(future: Future, planned: _Planned) -> str:
         return planned.last_words(future.result()[0])
     if isinstance(error, KeyboardInterrupt):  # a worker process met the interrupt first
         raise error
+    if lost(error):
+        return planned.last_words(planned.lost(error))
     return f"{label}: error in the harness: {type(error).__name__}: {error}"
 
 
 def _stop(futures: dict[Future, _Planned], executor: Executor | None) -> None:
+    hear_no_more()
     begun = [future for future in futures if not future.cancel()]
     with children_stopped():
         if isinstance(executor, Requesting):
@@ -180,31 +190,11 @@ def _collect(futures: dict[Future, _Planned]) -> list[Done]:
         error = future.exception()
         if error is None:
             results[planned.number] = Done(planned.job.label, *future.result())
+        elif lost(error):
+            results[planned.number] = Done(planned.job.label, planned.lost(error), planned.folder.path)
         else:
             error.add_note(f"in job '{planned.job.label}', folder {planned.folder.path}")
             errors.append(error)
     if errors:
         raise BaseExceptionGroup(f"{len(errors)} of {len(futures)} jobs met an error of the harness", errors)
     return [results[number] for number in sorted(results)]
-
-
-@contextmanager
-def terminable() -> Iterator[None]:
-    """Let SIGTERM and SIGHUP unwind like Ctrl-C, so that no engine is left computing for nobody.
-
-    Signals that somebody handles or ignores (nohup) are left alone; only the main thread may ask.
-    """
-    ours = []
-    if threading.current_thread() is threading.main_thread():
-        ours = [s for s in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(s) is signal.SIG_DFL]
-    for number in ours:
-        signal.signal(number, _exit_by_signal)
-    try:
-        yield
-    finally:
-        for number in ours:
-            signal.signal(number, signal.SIG_DFL)
-
-
-def _exit_by_signal(number: int, frame: object) -> None:  # noqa: ARG001 (signal's own signature)
-    raise SystemExit(128 + number)

@@ -12,13 +12,15 @@ import msgspec
 import numpy as np
 import pytest
 
-from harness.report.biaxial import macro_page_rows, macro_rows, phase_page_rows
+from harness.report.biaxial import average_rows, macro_page_rows, macro_rows, phase_page_rows
+from harness.report.biaxial_panels import average_panels
 from harness.report.compare import FAILED, check_rows, run_rows, summary, write_report
-from harness.report.figures import png_uri
+from harness.report.figures import new_figure, png_uri
 from harness.report.overview import overview
 from harness.report.tables import text
 from harness.runs.outcome import Status
 from harness.studies.compare import compare
+from postproc.snapshot import Columns
 
 LIMIT = 60.0
 HOSTILE = "<script>alert(1)</script>"
@@ -170,6 +172,55 @@ def test_a_single_packing_has_no_spread(biaxial, box):
     comparison = biaxial({("lammps", 0): box.trajectory()})
     assert {r["standard deviation"] for r in macro_rows(comparison)} == {None}
     assert next(r for r in macro_page_rows(comparison) if r["unit"] == "N/m")["lammps"] == "250"
+
+
+def packed(box, force: float):
+    """A run whose recorded contact forces are `force` times those of the box."""
+    t = box.trajectory()
+    return replace(t, frames=tuple(replace(f, contacts=stronger(f.contacts, force)) for f in t))
+
+
+def stronger(contacts, force: float):
+    return Columns({k: contacts[k] * (force if k in ("fx", "fy") else 1) for k in contacts}, "contacts")
+
+
+def test_averages_over_packings_are_means_with_standard_errors(biaxial, box, tmp_path):
+    """Of 0.9, 1 and 1.1 times the same forces: s = 0.1, error 0.1/sqrt(3); an engine has the packings it completed."""
+    forces = {("lammps", 0): 0.9, ("lammps", 1): 1.0, ("lammps", 2): 1.1, ("liggghts", 0): 1.0, ("liggghts", 2): 1.2}
+    comparison = biaxial({key: packed(box, f) for key, f in forces.items()})
+    write_report(comparison, tmp_path / "report")
+    one = comparison.result.replicates["lammps"][1].values["sigma_zz from contacts"]
+    rows = [r for r in average_rows(comparison) if r["quantity"] == "sigma_zz from contacts"]
+    ours, theirs = ([r for r in rows if r["engine"] == e] for e in ("lammps", "liggghts"))
+    assert one.min() > 0
+    assert [r["mean"] for r in ours] == pytest.approx(one)
+    assert [r["standard error"] for r in ours] == pytest.approx(one * 0.1 / np.sqrt(3))
+    assert [r["mean"] for r in theirs] == pytest.approx(1.1 * one)
+    assert [r["standard error"] for r in theirs] == pytest.approx(one * 0.1)
+    assert {(r["engine"], r["runs"], r["unit"]) for r in rows} == {("lammps", 3, "N/m"), ("liggghts", 2, "N/m")}
+    written = numbers_of(tmp_path / "report" / "averages.csv")
+    assert [(r["engine"], float(r["mean"]), float(r["standard error"])) for r in written] == [
+        (r["engine"], r["mean"], r["standard error"]) for r in rows]
+
+
+def test_averages_over_packings_are_drawn_with_bands(biaxial, box, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(
+        "harness.report.biaxial_panels.panel", lambda draw, caption: drawn.append((axes_of(draw), caption)))
+    average_panels(biaxial({("lammps", k): packed(box, f) for k, f in enumerate((0.9, 1.1))}))
+    average_panels(biaxial({("lammps", 0): packed(box, 1.0)}))
+    (axes, caption), (alone, single) = drawn
+    assert [len(a.collections) for a in (axes, alone)] == [1, 0]
+    assert caption == (
+        "Sigma_zz from contacts. A band is the mean over an engine's runs +- its standard error s/√n, n = 2.")
+    assert single == "Sigma_zz from contacts. One packing, hence no bands."
+    assert axes.get_ylabel() == "sigma_zz from contacts (N/m)"
+
+
+def axes_of(draw):
+    _, ((axes,),) = new_figure(1, 1, width=4, height=3)
+    draw(axes)
+    return axes
 
 
 def test_nothing_completed_still_makes_a_page(flight, obedient, tmp_path):

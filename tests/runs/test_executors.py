@@ -1,5 +1,6 @@
 """executorlib behind run_many: its local mode as it is, Slurm's step launcher as a script that starts what it gets."""
 
+import importlib.util
 import os
 import re
 import shutil
@@ -8,7 +9,7 @@ import subprocess
 import sys
 import threading
 import time
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -122,6 +123,61 @@ def test_steps_of_an_allocation_ask_for_what_they_need(ranks, make_system, tmp_p
     assert "-n 1" in asked
     assert f"--cpus-per-task={ranks}" in asked
     assert f"--time={int(60 + MARGIN) // 60 + 1}" in asked
+
+
+SBATCH = """#!/bin/sh
+# takes a job as Slurm does: no empty partition, a time, a folder to be in; then runs it
+grep -q '^#SBATCH --partition=$' "$2" && {{ echo 'sbatch: error: invalid partition specified' >&2; exit 1; }}
+cat "$2" >> {log}
+setsid sh "$2" > /dev/null 2>&1 &
+echo 7
+"""
+
+
+def test_jobs_of_a_queue_ask_for_what_they_need(make_system, tmp_path, monkeypatch):
+    """Tried on a real Slurm 22.05 of one node, too; this stand-in refuses what that one refused."""
+    pytest.importorskip("pysqa", reason="executorlib asks queues through pysqa, which the extra `cluster` installs")
+    tools, log = tmp_path / "tools", tmp_path / "sbatch.log"
+    tools.mkdir()
+    for name, text in {"sbatch": SBATCH.format(log=log), "squeue": "#!/bin/sh\necho '7|me|R|grainproof|/'\n"}.items():
+        (tools / name).write_text(text)
+        (tools / name).chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tools}{os.pathsep}{os.environ['PATH']}")
+    monkeypatch.delenv("SLURM_JOB_ID", raising=False)
+    (done,) = made([("one", KERNEL, make_system(steps=6))], tmp_path, "slurm")
+    assert done.outcome.status == "completed", done.outcome
+    asked = log.read_text()
+    assert "#SBATCH --ntasks=1\n" in asked
+    assert f"#SBATCH --time={int(60 + MARGIN) // 60}\n" in asked
+
+
+def test_without_pysqa_there_is_one_line(tmp_path, monkeypatch):
+    monkeypatch.setattr(shutil, "which", lambda name: f"/usr/bin/{name}")
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    monkeypatch.delenv("SLURM_JOB_ID", raising=False)
+    with pytest.raises(InputError, match=r"--executor: expected pysqa, .*, got none installed; pip install"):
+        executor("slurm", tmp_path)
+
+
+class Losing(ThreadPoolExecutor):
+    """An executor whose second worker is killed."""
+
+    def submit(self, fn, /, engine, system, *args, **options):
+        if system.steps == 12:
+            future = Future()
+            future.set_exception(BrokenExecutor("a process was killed"))
+            return future
+        return super().submit(fn, engine, system, *args, **options)
+
+
+def test_a_lost_worker_is_the_outcome_of_its_run_only(make_system, tmp_path):
+    jobs = [(str(n), KERNEL, make_system(steps=6 * n)) for n in (1, 2, 3)]
+    with Losing(1) as pool:
+        done = run_many(jobs, tmp_path, time_limit=60.0, executor=pool)
+    assert [d.outcome.status for d in done] == ["completed", "crashed", "completed"]
+    assert done[1].outcome.reason == "whoever made this run is gone: a process was killed"
+    again = run_many(jobs, tmp_path, time_limit=60.0)
+    assert [d.outcome.status for d in again] == ["completed"] * 3
 
 
 RUN_MANY = """

@@ -1,5 +1,6 @@
 """Runs in other processes and the harness that they are made for: whether it still wants them."""
 
+import os
 import subprocess
 import sys
 import time
@@ -76,6 +77,18 @@ def test_a_killed_harness_holds_nothing(tmp_path):
     harness.communicate(timeout=60)
     assert path.exists()
     assert watch.gone()
+
+
+def test_what_a_killed_harness_left_goes_with_the_next(lease, tmp_path):
+    names = (f"{lease.path.stem}-new.lock", f"{lease.path.stem}-old.lock", "harness@some-other-node@old.lock")
+    new, old, elsewhere = (tmp_path / name for name in names)
+    for path in (new, old, elsewhere):
+        path.touch()
+    for path in (old, elsewhere, lease.path):
+        os.utime(path, (0.0, 0.0))
+    Lease(tmp_path).release()
+    assert not old.exists()
+    assert all(path.exists() for path in (new, elsewhere, lease.path))
 
 
 def test_of_another_machine_a_free_lock_tells_something_only_after_it_was_seen_held(lease, tmp_path):

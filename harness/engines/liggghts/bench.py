@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from typing import TYPE_CHECKING
 
@@ -71,7 +70,7 @@ class TimedLiggghts:
 
     def environment(self) -> dict[str, str]:
         """One thread, one process."""
-        return os.environ | one_thread_env() | ALONE
+        return one_thread_env() | ALONE
 
 
 TIMED = TimedLiggghts()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import sys
 from dataclasses import dataclass, replace
@@ -121,7 +120,7 @@ class Liggghts:
         """Run the deck in `folder`."""
         child = run_child(
             self.command(folder), folder=folder, log=LOG, time_limit=time_limit,
-            env=os.environ | (ALONE if self.ranks == 1 else one_thread_env()),
+            env=one_thread_env() | (ALONE if self.ranks == 1 else {}),
         )
         return judge(child, folder, LOG, time_limit)
 
@@ -143,7 +142,7 @@ class Liggghts:
             return _without_library(self.home.place)
         library = [self.home.library] if self.home.place else []
         command = ["stdbuf", "-oL", sys.executable, "-m", "harness.engines.liggghts.prescribed", ".", *library]
-        child = run_child(command, folder=folder, log=LOG, time_limit=time_limit, env=os.environ | ALONE)
+        child = run_child(command, folder=folder, log=LOG, time_limit=time_limit, env=one_thread_env() | ALONE)
         return replace(judge(child, folder, LOG, time_limit), timings={"run": child.wall_seconds})
 
     def steps_done(self, folder: Path) -> int:

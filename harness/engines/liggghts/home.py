@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+from harness.engines.child import one_thread_env
 from harness.engines.word import program_at
 from harness.errors import InputError
 
@@ -91,7 +92,9 @@ def _banner_version(path: str) -> str:
 def _output(command: list[str], status: int = 0) -> str:
     """Return what a command prints, "" if it cannot be run, ends in another way or hangs."""
     try:
-        done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=20, check=False)
+        done = subprocess.run(
+            command, stdin=subprocess.DEVNULL, capture_output=True, timeout=20, check=False, env=one_thread_env()
+        )
     except (OSError, subprocess.TimeoutExpired):
         return ""
     return done.stdout.decode("utf-8", errors="replace") if done.returncode == status else ""

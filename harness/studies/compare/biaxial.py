@@ -27,13 +27,15 @@ from harness.studies.verdict import Check, Rerun
 class BiaxialResult:
     """What the report draws. Keys are engine names; curves, growth, states and phases are of the first packing.
 
-    macro: (engine, packing) -> quantity -> value. judged: all quantities of all pairs over replicates.
+    replicates: frame averages of all completed runs of an engine, packing by packing. macro: (engine, packing) ->
+    quantity -> value. judged: all quantities of all pairs over replicates.
     """
 
     pairs: tuple[Pair, ...]
     curves: dict[str, BiaxialCurves]
     growth: dict[str, Growth]
     states: dict[str, StateCurves]
+    replicates: dict[str, tuple[StateCurves, ...]]
     phases: dict[str, tuple[Phase, ...]]
     macro: dict[tuple[str, int], dict[str, float]]
     judged: tuple[Judged, ...] = ()
@@ -93,12 +95,16 @@ def _quantities(scene: Biaxial, starts, finished, curves) -> list[Measured]:
 
 def _result(scene: Biaxial, starts, finished, pairs: list[Pair], curves, judged, response) -> BiaxialResult:
     first = {r.engine: r.trajectory for r in finished if r.packing == 0}
-    states = {e: state_curves(t, starts[0].system) for e, t in first.items()}
+    found = defaultdict(dict)
+    for r in finished:
+        found[r.engine][r.packing] = state_curves(r.trajectory, starts[r.packing].system)
+    states = {e: found[e][0] for e in first}
     growth = {p.name: difference_growth(first[p.left], first[p.right]) for p in pairs if not p.missing(first)}
     if response is not None and response.trajectory is not None and response.of in first:
         growth[response.engine] = difference_growth(first[response.of], response.trajectory)
     return BiaxialResult(
         pairs=tuple(pairs), curves={e: curves[e][0] for e in first}, growth=growth, states=states,
+        replicates={e: tuple(of[k] for k in sorted(of)) for e, of in found.items()},
         phases={e: phases_of(curves[e][0], states[e], scene.compare.plateau) for e in first},
         macro={(e, k): macro_values(c, scene) for e, of in curves.items() for k, c in of.items()}, judged=judged,
     )

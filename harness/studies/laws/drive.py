@@ -20,7 +20,7 @@ from harness.engines.protocol import REFUSED, Reaction
 from harness.runs.execute import outcome_of
 from harness.runs.folder import deck_digest
 from harness.runs.outcome import Outcome, Status, write_outcome
-from harness.runs.pool import terminable
+from harness.runs.signals import terminable
 from harness.studies.laws.arrangement import Arrangement
 from harness.studies.laws.kept import PathFile, PrescribedFolder, keep_reaction, read_reaction
 

@@ -290,7 +290,8 @@ def rigid(seen: Seen, _: Invariant) -> float:
 def turns(seen: Seen, promise: Invariant) -> float:
     """Return |turns - values[0]|/values[0]: turns of the line from body 1 to body 2 about z, from its mean rate.
 
-    The rate is L/(m* r^2) with L the orbital angular momentum of the two, averaged over frames.
+    The rate is L/(m* r^2) with L the z component of the orbital angular momentum of the two, averaged over frames.
+    Of a body that turns about another axis, at right angles to the line, it is the z component of its turns.
     """
     rates = []
     for f in seen.frames:
@@ -313,7 +314,7 @@ def no_ratchet(seen: Seen, _: Invariant) -> float:
 
 
 def on_diagonal(seen: Seen, _: Invariant) -> float:
-    """Return the largest difference of components of the first body over its radius: a corner is alike both ways."""
+    """Return the largest difference of components of the first body over its radius: a corner is alike on all axes."""
     return most(float(np.ptp(f.x[0] - seen.frames[0].x[0]) / f.radius[0]) for f in seen.frames)
 
 

@@ -13,6 +13,12 @@ from harness.studies.stability.topics import TOPICS
 CASES = all_cases()
 EXPLICIT = [c for c in CASES if c.scene is not None and not needs_packing(c.scene)]
 
+IN_SPACE = {
+    "cell_edge", "coincident", "corner", "elastic_packing", "far_away", "grazing", "rotation", "seam", "size_ratio",
+    "tunnel_particle",
+}
+"""Topics that a plane shows only half of: each has a case of spheres too."""
+
 CASE = """
 kind = "free"
 title = "A case"
@@ -61,6 +67,12 @@ def write(tmp_path):
 def test_there_are_cases_enough_and_every_kind_of_trouble_has_one():
     assert len(CASES) >= 40
     assert {t for c in CASES for t in c.expect.topics} == set(TOPICS)
+
+
+def test_what_a_plane_shows_only_half_of_has_a_case_in_space():
+    spheres = [c for c in CASES if "dimension = 3" in c.file.read_text()]
+    assert {t for c in spheres for t in c.expect.topics} >= IN_SPACE
+    assert all(c.scene is None or c.scene.dimension == 3 for c in spheres)
 
 
 @pytest.mark.parametrize("case", [c for c in CASES if c.scene is None], ids=lambda c: c.name)

@@ -139,6 +139,21 @@ def leapfrogs(states, error=0.0):
     return states.seen(places, v=speeds, periodic=(4.5, 0.0))
 
 
+SKEW = np.array([2.0, 3.0, 6.0]) / 7.0
+ACROSS = np.array([6.0, 2.0, -3.0]) / 7.0
+
+
+def turning_cluster(states):
+    """Four spheres turn about (2, 3, 6)/7 once a second as one body; the line from 1 to 2 is at right angles to it."""
+    third = np.cross(SKEW, ACROSS)
+    start = np.array([ACROSS + SKEW, SKEW - ACROSS, third - SKEW, -third - SKEW])
+    along = np.outer(start @ SKEW, SKEW)
+    angle = 2 * np.pi * TIME[:, None, None]
+    x = along + np.cos(angle) * (start - along) + np.sin(angle) * np.cross(SKEW, start)
+    v = 2 * np.pi * np.cross(SKEW, x)
+    return states.seen(x, v=v, spin=np.broadcast_to(2 * np.pi * SKEW, x.shape))
+
+
 EXACT = {
     "finite": (turning_pair, lambda s: s.altered(turning_pair(s), 3, vx=lambda v: v * np.nan)),
     "contained": (turning_pair, lambda s: s.without_last(turning_pair(s), 7)),
@@ -195,6 +210,48 @@ def test_a_swing_that_walks_is_found(states):
 
 def test_every_invariant_has_a_motion_here():
     assert set(KINDS) == {*EXACT, *WITH_VALUES, "no_ratchet", "twin"}
+
+
+# --- in space ---------------------------------------------------------------------------------------------
+
+OF_CLUSTERS = {"turns": {"values": (4.0 * SKEW[2],)}, "rigid": {}, "angular_momentum": {}, "momentum": {}}
+
+
+@pytest.mark.parametrize("name", OF_CLUSTERS)
+def test_a_cluster_may_turn_about_any_axis(states, name):
+    assert KINDS[name].measure(turning_cluster(states), states.promise(name, **OF_CLUSTERS[name])) <= 1e-9
+
+
+@pytest.mark.parametrize("axis", "xyz")
+def test_no_component_is_overlooked_in_space(states, axis):
+    run, measure = turning_cluster(states), {name: KINDS[name].measure for name in OF_CLUSTERS}
+    spun = states.altered(run, 7, **{f"w{axis}": lambda w: w + 0.01})
+    pushed = states.altered(run, 7, **{f"v{axis}": lambda v: v + 0.01})
+    moved = states.altered(run, 7, **{axis: lambda x: x * 1.01})
+    assert measure["angular_momentum"](spun, states.promise("angular_momentum")) > 1e-6
+    assert measure["momentum"](pushed, states.promise("momentum")) > 1e-6
+    assert measure["rigid"](moved, states.promise("rigid")) > 1e-6
+
+
+@pytest.mark.parametrize("axis", "xyz")
+def test_a_sphere_leaves_the_space_diagonal_along_any_axis(states, axis):
+    run = states.seen(np.repeat(1.0 + TIME[:, None, None], 3, axis=2))
+    off = states.altered(run, 7, **{axis: lambda x: x + 1e-3})
+    assert KINDS["on_diagonal"].measure(run, states.promise("on_diagonal")) <= 1e-12
+    assert KINDS["on_diagonal"].measure(off, states.promise("on_diagonal")) == pytest.approx(1e-3)
+
+
+def test_a_sphere_behind_one_of_three_skew_walls_is_lost(states):
+    normals = (SKEW, ACROSS, np.cross(SKEW, ACROSS))
+    walls = tuple(
+        Wall(index=k, name=f"wall{k}", point=(0.0, 0.0, 0.0), normal=tuple(n), friction=False)
+        for k, n in enumerate(normals, start=1)
+    )
+    inside = np.sum(normals, axis=0)
+    for n in normals:
+        run = states.seen((inside - 1.5 * TIME[:, None] * n)[:, None, :], walls=walls)
+        assert KINDS["contained"].measure(run.up_to(0.5), states.promise("contained")) == 0
+        assert KINDS["contained"].measure(run, states.promise("contained")) == 1
 
 
 # --- twins -----------------------------------------------------------------------------------------------
