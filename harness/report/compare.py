@@ -168,15 +168,19 @@ def summary(comparison: Comparison) -> str:
 
 
 def own_cost(comparison: Comparison) -> str:
-    """Return a line: CPU time of this process, which prepares, reads, averages, judges and draws, beside the runs'.
+    """Return a line: CPU time of this process, which writes, reads, averages, judges and draws, beside the runs'.
 
-    What the runs needed counts whether they were made now or kept; "" when none tells.
+    What the runs needed counts whether they were made now or kept; packings, which are computed like runs, are told
+    apart. "" when no run tells.
     """
     import time
 
     theirs = sum(r.outcome.cpu_seconds or 0.0 for r in comparison.all_runs)
-    ours = time.process_time()
-    return f"CPU time: runs {theirs:.3g} s, harness {ours:.3g} s ({100 * ours / theirs:.2g} %)\n" if theirs else ""
+    packings = comparison.packing_seconds
+    ours = time.process_time() - packings
+    made = f", packings {packings:.3g} s" if packings >= 0.1 else ""
+    share = f"harness {ours:.3g} s ({100 * ours / theirs:.2g} %)" if theirs else ""
+    return f"CPU time: runs {theirs:.3g} s{made}, {share}\n" if theirs else ""
 
 
 def _junit(comparison: Comparison) -> str:

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
@@ -60,6 +61,7 @@ class Comparison:
     """Everything a report needs. `result` is that of the scene's kind.
 
     words: what a user types for each engine, by its name in tables. response: see `harness.studies.compare.chaos`.
+    packing_seconds: CPU time of this process in which packings were made; 0 if all were there.
     """
 
     scene: Scene
@@ -70,6 +72,7 @@ class Comparison:
     result: BiaxialResult | CouetteResult | FreeResult
     words: Mapping[str, str] = field(default_factory=dict)
     response: Run | None = None
+    packing_seconds: float = 0.0
 
     @property
     def all_runs(self) -> tuple[Run, ...]:
@@ -112,9 +115,11 @@ def compare(
 
     scene = load_scene(scene_file)
     replicates = replicate_count(scene, replicates)
+    begun = time.process_time()
     starts = make_starts(
         scene, scene_file, packings=packings, replicates=replicates, cache=out / "packings", progress=progress
     )
+    packed = time.process_time() - begun
     engines = distinct_engines(engines, scene)
     plan = planned_runs(scene, starts, engines, replicated=replicates is not None)
     done = run_many(
@@ -132,7 +137,7 @@ def compare(
     checks = tuple(by_records(explained(c, changes), records) for c in found)
     return Comparison(
         scene=scene, scene_file=scene_file, starts=tuple(starts), runs=runs, checks=checks, result=result,
-        words=words, response=response,
+        words=words, response=response, packing_seconds=packed,
     )
 
 
