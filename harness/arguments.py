@@ -23,10 +23,13 @@ class OneLineParser(argparse.ArgumentParser):
 
 
 def as_names(word: str) -> list[str]:
-    """Take names apart that stand between commas."""
+    """Take names apart that stand between commas; raises ArgumentTypeError for none, and for one that comes twice."""
     names = [w for w in word.split(",") if w]
     if not names:
         raise argparse.ArgumentTypeError(f"expected names separated by commas, got {word!r}")
+    twice = next((w for w in names if names.count(w) > 1), None)
+    if twice is not None:
+        raise argparse.ArgumentTypeError(f"expected each name once, got {twice!r} twice in {word!r}")
     return names
 
 

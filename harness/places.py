@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import tempfile
 from pathlib import Path
 
 from harness.errors import InputError
@@ -12,7 +13,7 @@ def check_places(options) -> None:
     """Refuse, before anything runs or is written, places where results cannot go."""
     if options.out is not None:
         nearest = next(p for p in (options.out, *options.out.absolute().parents) if os.path.lexists(p))
-        if not nearest.is_dir() or not os.access(nearest, os.W_OK | os.X_OK):
+        if not nearest.is_dir() or not _takes_files(nearest):
             got, fix = f"{options.out}", "make it writable or name another folder"
             if not nearest.is_dir():
                 got, fix = f"{nearest}, which is no folder", "name another place"
@@ -28,6 +29,15 @@ def check_places(options) -> None:
         if target.is_dir() or not target.parent.is_dir() or not os.access(target.parent, os.W_OK | os.X_OK):
             raise InputError(file="--json", expected="a file in a folder that exists", got=options.json or "nothing")
         _keep_input(options, target)
+
+
+def _takes_files(folder: Path) -> bool:
+    """Try it with a file without a name: permissions do not tell of /proc, or of a disk that is mounted read-only."""
+    try:
+        with tempfile.TemporaryFile(dir=folder):
+            return True
+    except OSError:
+        return False
 
 
 def _check_packings(out: Path) -> None:

@@ -204,6 +204,23 @@ def test_an_engine_misspelt_is_told(call, words, meant):
     assert err.count("\n") == 1
 
 
+def test_a_folder_that_takes_no_files_is_refused_whoever_asks(call, here, files):
+    """As root every folder seems writable; /proc takes no files all the same."""
+    if not Path("/proc/self").exists():
+        pytest.skip("this system has no /proc")
+    status, _, err = call("compare", "good.toml", "--out", "/proc/results")
+    assert status == 2
+    assert err.startswith("grainproof: --out: expected a folder that can be written, got /proc/results;")
+    assert err.count("\n") == 1
+
+
+def test_a_name_that_comes_twice_is_refused(call, here, files):
+    status, _, err = call("compare", "good.toml", "--engines", "lammps,kernel,lammps")
+    assert status == 2
+    assert "expected each name once, got 'lammps' twice" in err
+    assert err.count("\n") == 1
+
+
 @pytest.mark.parametrize("words", [["--out", "file"], ["--out", "file/results"]])
 def test_a_file_where_a_folder_should_be_is_named_with_a_way_out(call, here, files, words):
     _, _, err = call("compare", "good.toml", *words)
