@@ -32,7 +32,7 @@ from postproc.snapshot import Snapshot
 from postproc.trajectory import ReadError
 from postproc.undefined import Gaps
 
-DONE = 0
+DONE, NOTHING = 0, 1
 
 ALL = "all"
 """Every field."""
@@ -165,16 +165,20 @@ def _components(name: str, values: Sequence[float], dimension: int) -> tuple[flo
 
 
 def main(arguments: Sequence[str] | None = None, *, prog: str = "python -m postproc") -> int:
-    """Run the command; return 0, or 2 when the input is wrong (one line on standard error)."""
+    """Run the command; return 0, 1 when none of what was asked could be given (the table says why of each).
+
+    2 when the input is wrong (one line on standard error).
+    """
     words = parser(prog).parse_args(arguments)
     try:
         check_places(words)
-        _deliver(_average_file(words), words)
+        averages = _average_file(words)
+        _deliver(averages, words)
     except (ReadError, WrongSetting) as error:
         return _complain(f"{prog}: {error}")
     except OSError as error:
         return _complain(f"{prog}: {error.filename or 'output'}: cannot be written: {error.strerror or error}")
-    return DONE
+    return DONE if averages.gives_something else NOTHING
 
 
 def _complain(line: str) -> int:

@@ -100,6 +100,12 @@ class Averages:
         return result.values
 
 
+    @property
+    def gives_something(self) -> bool:
+        """Whether one quantity at least has values."""
+        return any(isinstance(r, Value) for r in (*self.in_cells.values(), *self.of_state.values()))
+
+
 def columns_of(results: Mapping[str, Result]) -> dict[str, np.ndarray]:
     """Return all scalar columns of the available quantities, by name with unit."""
     available = {name: r for name, r in results.items() if isinstance(r, Value)}

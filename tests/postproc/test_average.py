@@ -148,6 +148,11 @@ def test_table(file, capsys):
     assert "\n  inertial_number: no strain rate was given\n" in out
 
 
+def test_a_state_that_gives_nothing_of_what_was_asked_is_no_success(file, capsys):
+    assert main([str(file), "--fields", "displacement"]) == 1
+    assert "unavailable\n  displacement: no reference state was given" in capsys.readouterr().out
+
+
 def test_json_holds_all_digits_and_all_reasons(file, states, capsys):
     assert main([str(file), "--json", "-", "--cells", "particles"]) == 0
     data = json.loads(capsys.readouterr().out)
