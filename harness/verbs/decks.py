@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 
 from harness.arguments import as_folder
@@ -27,5 +28,9 @@ def _decks(options) -> int:
         rows = check_decks(decks, folder, whole=whole)
     else:
         rows = write_decks(decks, folder, whole=whole, remove=ours)
-    show(Answer(tables={f"Decks in {folder}": rows}, data={"decks": rows}), options)
+    shown = [r for r in rows if r["state"] != "current"]
+    show(Answer(tables={f"Decks in {folder}": shown} if shown else {}, data={"decks": rows}), options)
+    if options.json != "-":
+        counts = Counter(r["state"] for r in rows)
+        print(f"{folder}: {', '.join(f'{n} {state}' for state, n in counts.items())}")
     return 1 if options.check and any(r["state"] != "current" for r in rows) else 0
