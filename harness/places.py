@@ -12,12 +12,7 @@ from harness.errors import InputError
 def check_places(options) -> None:
     """Refuse, before anything runs or is written, places where results cannot go."""
     if options.out is not None:
-        nearest = next(p for p in (options.out, *options.out.absolute().parents) if os.path.lexists(p))
-        if not nearest.is_dir() or not _takes_files(nearest):
-            got, fix = f"{options.out}", "make it writable or name another folder"
-            if not nearest.is_dir():
-                got, fix = f"{nearest}, which is no folder", "name another place"
-            raise InputError(file="--out", expected="a folder that can be written", got=got, fix=fix)
+        require_place("--out", options.out)
         _check_packings(options.out)
     if options.json not in (None, "-"):
         target = Path(options.json)
@@ -29,6 +24,17 @@ def check_places(options) -> None:
         if target.is_dir() or not target.parent.is_dir() or not os.access(target.parent, os.W_OK | os.X_OK):
             raise InputError(file="--json", expected="a file in a folder that exists", got=options.json or "nothing")
         _keep_input(options, target)
+
+
+def require_place(option: str, folder: Path) -> None:
+    """Raise InputError when `folder` is none, or can neither be written nor made."""
+    nearest = next(p for p in (folder, *folder.absolute().parents) if os.path.lexists(p))
+    if nearest.is_dir() and _takes_files(nearest):
+        return
+    got, fix = f"{folder}", "make it writable or name another folder"
+    if not nearest.is_dir():
+        got, fix = f"{nearest}, which is no folder", "name another place"
+    raise InputError(file=option, expected="a folder that can be written", got=got, fix=fix)
 
 
 def _takes_files(folder: Path) -> bool:

@@ -110,13 +110,13 @@ class ExpectedCases(Expected):
 
 
 def expected_cases(
-    cases: Sequence[Case], engines: Sequence[Engine], *, workers: int | None = None
+    cases: Sequence[Case], engines: Sequence[Engine], *, workers: int | None = None, beyond: float = 0.0
 ) -> ExpectedCases:
-    """Return what the runs of a study's cases take together, packings included."""
+    """Return what the runs of a study's cases take together, packings included. beyond: s, of what are no runs."""
     from harness.runs.outcome import usable_cores
 
     costs: list[float] = []
-    packing, packings, judging = 0.0, 0, REPORT_SECONDS
+    packing, packings, judging = 0.0, 0, REPORT_SECONDS + beyond
     for case in cases:
         system = likely_system(case.scene, case.file)
         each = [run_seconds(e, system) for e in engines if e.probe().available and takes(e, system)]
@@ -127,7 +127,8 @@ def expected_cases(
             packings += case.packings
     at_once = max(1, min(workers or usable_cores(), len(costs)))
     return ExpectedCases(
-        seconds=packing + longest_first(costs, at_once) + judging, cpu=packing + sum(costs), runs=len(costs),
+        seconds=packing + longest_first(costs, at_once) + judging, cpu=packing + sum(costs) + judging,
+        runs=len(costs),
         packings=packings, at_once=at_once,
     )
 

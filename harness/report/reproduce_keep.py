@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from harness import __version__
-from harness.errors import InputError
+from harness.places import require_place
 from harness.report.reproduce import SMALL, SMALLEST, command, write_tables
 from harness.report.reproduce_figures import draw
 from harness.report.reproduce_tables import rate_rows, value_rows
@@ -21,9 +21,9 @@ DIGITS = 5
 
 
 def check_keep_place(folder: Path | None) -> None:
-    """Raise InputError, before any run, for a place that is no folder."""
-    if folder is not None and folder.exists() and not folder.is_dir():
-        raise InputError(file="--keep", expected="a folder", got=f"{folder}, which is none")
+    """Raise InputError, before any run, for a place that cannot be written."""
+    if folder is not None:
+        require_place("--keep", folder)
 
 
 def keep(study: Study, ask: Ask, result: Result, place: Path) -> Path:

@@ -52,6 +52,7 @@ def _reproduce(options) -> int:
         ask = _ask(study, options, executor)
         check_report_place(study, ask)
         check_keep_place(options.keep)
+        study.check(ask)
         _announce(study, ask)
         result = study.run(ask)
     page = write_reproduce(study, ask, result)
@@ -88,6 +89,7 @@ def _announce(study, ask) -> None:
     from harness.report.expected import expected_cases
     from harness.scene.explain import time_row
 
-    expected = expected_cases(study.cases(ask), ask.engines, workers=ask.workers)
+    beyond = study.sizes[ask.size].beyond
+    expected = expected_cases(study.cases(ask), ask.engines, workers=ask.workers, beyond=beyond)
     row, cpu = time_row("reproduce", expected.seconds, expected.says), time_row("cpu", expected.cpu, "")
     print(f"expected: about {row.text} ({cpu.text} of CPU time) for {row.note}", file=sys.stderr, flush=True)

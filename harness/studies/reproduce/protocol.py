@@ -51,10 +51,14 @@ class Ask:
 
 @dataclass(frozen=True, kw_only=True)
 class Declared:
-    """One size of a study. says: what is computed, in a line. packings: how many when the user does not say."""
+    """One size of a study. says: what is computed, in a line. packings: how many when the user does not say.
+
+    beyond: seconds on an idle core of what are no runs of its cases: prescribed motion, fits (measured).
+    """
 
     says: str
     packings: int
+    beyond: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -232,7 +236,8 @@ class Study:
 
     values: names in `reference.values` that rows are held against. engines: what is run unless the user says;
     cases: the scenes that it computes, none where it needs no run. lacking: engines that lack the law, by name, and
-    why. measurements: what file of the user's own it takes, "" for none.
+    why. measurements: what file of the user's own it takes, "" for none. refuse: raises InputError for what is asked
+    wrongly, before anything is announced or made.
     """
 
     name: str
@@ -246,6 +251,12 @@ class Study:
     cases: Callable[[Ask], Sequence[Case]]
     lacking: Mapping[str, str] = field(default_factory=dict)
     measurements: str = ""
+    refuse: Callable[[Ask], None] | None = None
+
+    def check(self, ask: Ask) -> None:
+        """Raise InputError for what is asked wrongly."""
+        if self.refuse is not None:
+            self.refuse(ask)
 
     def packings(self, ask: Ask) -> int:
         """Return how many packings are asked for."""

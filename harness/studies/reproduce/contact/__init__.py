@@ -12,12 +12,14 @@ from pathlib import Path
 
 import numpy as np
 
+from harness.errors import InputError
 from harness.studies.laws.drive import Driver
 from harness.studies.reproduce.contact.axes import axes_rows
 from harness.studies.reproduce.contact.back import Indenter, Spheres, law_of
 from harness.studies.reproduce.contact.charts import cycle_chart, hysteresis_chart, line_chart, pull_off_chart
 from harness.studies.reproduce.contact.curves import Measurements, read_measurements
 from harness.studies.reproduce.contact.fit import (
+    DRAWS,
     NAMES,
     LawFit,
     LineFit,
@@ -51,6 +53,9 @@ FIT_TOLERANCE = 0.02
 CURVES = {"quick": (200, 60, 100), "paper": (2000, 400, 400)}
 """Synthetic curves for the covariance and for the bootstrap, and its draws."""
 
+BEYOND = {"quick": 8.0, "paper": 57.0}
+"""Seconds of fits and drives on an idle core (measured)."""
+
 RATE_WORDS = (
     "Nothing here has a rate: the law knows no time, and paths are prescribed. What converges is the fit: error bars "
     "fall with the number of points; and pull-off over load is the same at every load, as the law is linear."
@@ -83,10 +88,18 @@ def run(ask: Ask) -> Result:
     )
 
 
-def _own_fit(found: Measurements | None) -> LawFit | LineFit | None:
+def refuse(ask: Ask) -> None:
+    """Raise InputError for packings, of which there are none, and for a file that no law can be fitted to."""
+    if ask.packings is not None:
+        raise InputError(file="--packings", expected="nothing, as contact has no packings", got=ask.packings)
+    if ask.measurements is not None:
+        _own_fit(read_measurements(ask.measurements), draws=0)
+
+
+def _own_fit(found: Measurements | None, draws: int = DRAWS) -> LawFit | LineFit | None:
     if found is None:
         return None
-    return fit_cycle(found.cycle()) if found.kind == "cycle" else fit_line(found)
+    return fit_cycle(found.cycle(), name=found.name, draws=draws) if found.kind == "cycle" else fit_line(found)
 
 
 # --- rows ----------------------------------------------------------------------------------------
@@ -208,9 +221,10 @@ STUDY = Study(
     "hysteresis against force of polystyrene and borosilicate glass, and the law with k_1, k_2, k_c for them.",
     source="S. Luding, Shear banding in granular materials, slides 'Contact force measurement (PIA)', 'Hysteresis "
     "(plastic deformation)', 'Contact model'",
-    sizes={size: Declared(says=f"{c} synthetic curves, {b} with bootstrap; six loads on each code", packings=1)
-           for size, (c, b, _) in CURVES.items()},
+    sizes={size: Declared(says=f"{c} synthetic curves, {b} with bootstrap; six loads on each code", packings=1,
+                          beyond=BEYOND[size]) for size, (c, b, _) in CURVES.items()},
     engines=("lammps", "liggghts", "kernel:talk"), values=(), run=run, cases=lambda _: (),
     lacking={"lammps": "has no law with k_1, k_2 and k_c"},
     measurements="a CSV file: displacement (nm),force (nN) or load (nN),pull-off (nN) or force (nN),hysteresis (nm)",
+    refuse=refuse,
 )

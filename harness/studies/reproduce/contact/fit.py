@@ -74,19 +74,20 @@ def law_force(
     return np.where(d > 0, np.where(loading, k_1 * d, back), 0.0)
 
 
-def fit_cycle(cycle: Cycle, *, draws: int = DRAWS, seed: int = 1) -> LawFit:
+def fit_cycle(cycle: Cycle, *, draws: int = DRAWS, seed: int = 1, name: str = "the cycle") -> LawFit:
     """Fit one cycle by least squares (Levenberg-Marquardt) and draw its residuals again for the bootstrap.
 
-    Raises InputError where the cycle is none of this law: no force rises on the way in, or the fit does not converge.
+    Raises InputError with the file's `name` where the cycle is none of this law: no force rises on the way in, or the
+    fit does not converge.
     """
-    values, covariance = _fitted(cycle, cycle.force, _start(cycle))
+    values, covariance = _fitted(cycle, cycle.force, _start(cycle, name), name)
     left = cycle.force - _model(cycle)(cycle.displacement, *values)
     rng, drawn = np.random.default_rng(seed), []
     scale = np.sqrt(len(left) / (len(left) - len(values)))  # residuals are smaller than the noise by the fitted numbers
     weight = np.ones(len(left)) if cycle.error is None else cycle.error
     for _ in range(draws):
         noise = weight * scale * rng.choice(left / weight, len(left))
-        drawn.append(_fitted(cycle, cycle.force - left + noise, values)[0])
+        drawn.append(_fitted(cycle, cycle.force - left + noise, values, name)[0])
     adhesive = int(_on_adhesive_branch(cycle, values).sum()) >= 2
     errors = np.sqrt(np.diag(covariance))
     return LawFit(
@@ -134,7 +135,7 @@ def _model(cycle: Cycle) -> Callable[..., np.ndarray]:
     return lambda x, *p: law_force(x, loading, largest, *p)
 
 
-def _fitted(cycle: Cycle, force: np.ndarray, start: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _fitted(cycle: Cycle, force: np.ndarray, start: np.ndarray, name: str) -> tuple[np.ndarray, np.ndarray]:
     import warnings
 
     from scipy.optimize import OptimizeWarning, curve_fit
@@ -150,21 +151,25 @@ def _fitted(cycle: Cycle, force: np.ndarray, start: np.ndarray) -> tuple[np.ndar
                 maxfev=10_000, **known,
             )
     except RuntimeError as error:
-        raise InputError(file="measurements", expected="a cycle of the piecewise linear law",
+        raise InputError(file=name, expected="a cycle of the piecewise linear law",
                          got=f"a fit that does not converge ({error})") from None
     return found * unit, covariance * np.outer(unit, unit)
 
 
-def _start(cycle: Cycle) -> np.ndarray:
+def _start(cycle: Cycle, name: str) -> np.ndarray:
     """Return starting values: lines through the upper way in and the top of the way back, and the deepest pull."""
     x, f = cycle.displacement, cycle.force
     top = float(f[cycle.loading].max())
     rising = cycle.loading & (f > 0.3 * top)
     if top <= 0 or rising.sum() < 2 or np.ptp(x[rising]) == 0:
-        raise InputError(file="measurements", expected="a force that rises on the way in", got=f"at most {top:g} N")
+        raise InputError(
+            file=name, expected="a force that rises on the way in",
+            got=f"{top:g} N at most up to the deepest point, {int(rising.sum())} points above 30 % of that",
+            fix="rows in the order of time, displacement growing with compression, force positive when pressed",
+        )
     k_1, at = np.polyfit(x[rising], f[rising], 1)
     if k_1 <= 0:
-        raise InputError(file="measurements", expected="a force that rises on the way in",
+        raise InputError(file=name, expected="a force that rises on the way in",
                          got=f"one that falls, by {-k_1:g} N/m",
                          fix="compression is positive, in displacement and force")
     x_0 = -at / k_1

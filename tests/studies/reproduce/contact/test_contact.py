@@ -17,9 +17,11 @@ from harness.studies.reproduce.contact.fit import fit_cycle, fit_line, law_force
 from harness.studies.reproduce.contact.loads import answers, back_rows, law_checks, load_rows, refused
 from harness.studies.reproduce.contact.scene import write_fitted_scene
 from harness.studies.reproduce.contact.synthetic import Truth, coverages
+from harness.studies.reproduce.protocol import Ask
 from reference.analytic.hysteretic_collision import ConstantUnloading
 
 TRUTH = Truth()
+HEADER = "displacement (nm),force (nN)\n"
 
 
 def exact(truth=TRUTH):
@@ -135,6 +137,18 @@ def test_curves_that_are_no_contact_are_refused(force):
     cycle = exact()
     with pytest.raises(InputError, match="rises on the way in"):
         fit_cycle(Cycle(displacement=cycle.displacement, force=force(cycle.force), error=None), draws=0)
+
+
+def test_what_is_asked_wrongly_is_refused_before_anything_is_made(tmp_path):
+    ask = Ask(size="quick", engines=(), out=tmp_path / "out")
+    STUDY.check(ask)
+    with pytest.raises(InputError, match="--packings: expected nothing, as contact has no packings, got 3"):
+        STUDY.check(replace(ask, packings=3))
+    cycle = exact()
+    flat = replace(cycle, force=np.zeros_like(cycle.force))
+    with pytest.raises(InputError, match=r"curve\.csv: expected a force that rises on the way in, got 0 N at most"):
+        STUDY.check(replace(ask, measurements=write(tmp_path, HEADER + rows_of(flat))))
+    assert not (tmp_path / "out").exists()
 
 
 def test_the_transcript_decides_nothing():
