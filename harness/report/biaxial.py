@@ -38,7 +38,7 @@ def sections(comparison: Comparison) -> list[Section]:
     if not comparison.result.curves:
         return []
     return [
-        *replicate_sections(comparison.result.judged),
+        *replicate_sections(comparison.result.judged, comparison.looks),
         Section(heading="Numbers of the whole test", note=MACRO_NOTE, rows=macro_page_rows(comparison)),
         Section(heading="Stress and volume against strain", figures=biaxial_panels.wall_panels(comparison)),
         *_agreement(comparison),

@@ -136,7 +136,7 @@ def report_data(comparison: Comparison) -> dict:
     import msgspec
 
     return {
-        "scene_file": comparison.scene_file.name,
+        "scene_file": comparison.scene_file.name, "looks": list(comparison.looks),
         "scene": msgspec.to_builtins(comparison.scene),
         "exit_status": comparison.exit_status,
         "summary": summary(comparison),

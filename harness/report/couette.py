@@ -109,7 +109,7 @@ def _between_codes(comparison: Comparison) -> list[Section]:
         f"do not see. Differences are parts of the number, of a mean over cells of the profile's size (its root mean "
         f"square; of the volume fraction that of its variation over r, as its mean is set by the scene). Errors of v_0 "
         f"and s are those of the same fit to another time; what one exponential misses is in both sides alike. {how} "
-        f"{error_rates(terms, len(judged))}\n{looking_again(terms)}"
+        f"{error_rates(terms, len(judged))}\n{looking_again(terms, comparison.looks)}"
     )
     return [Section(heading="Numbers of codes beside each other", note=note, rows=replicate_page_rows(judged))]
 

@@ -45,12 +45,13 @@ PAGE = (
 """Columns on the page, which adds the replicates that would settle it in words; all are in the CSV table."""
 
 
-def replicate_sections(judged: Sequence[Judged]) -> list[Section]:
+def replicate_sections(judged: Sequence[Judged], looks: Sequence[int] = ()) -> list[Section]:
     """Return the section of the page; none without replicates."""
     if not judged:
         return []
     return [Section(
-        heading="Over replicates: differences with error bars", note=_note(judged), rows=replicate_page_rows(judged)
+        heading="Over replicates: differences with error bars", note=_note(judged, looks),
+        rows=replicate_page_rows(judged),
     )]
 
 
@@ -66,7 +67,7 @@ def _settling(j: Judged) -> str | None:
     return replicates_in_words(j).rstrip(",") if j.settle else None
 
 
-def _note(judged: Sequence[Judged]) -> str:
+def _note(judged: Sequence[Judged], looks: Sequence[int]) -> str:
     terms, paired = judged[0].terms, judged[0].tested.difference.paired
     design = (
         "Both sides start from the same packings, so differences are taken packing by packing: what a packing does to "
@@ -77,7 +78,7 @@ def _note(judged: Sequence[Judged]) -> str:
         f"Difference, its standard error and what is resolvable are parts of the quantity (of a volume strain: of the "
         f"axial strain). {design}{error_rates(terms, len(judged))} Resolvable: the true difference that this number of "
         f"replicates sees with a probability of 0.8. Published values are judged each by its own prediction "
-        f"interval.\n{looking_again(terms)}"
+        f"interval.\n{looking_again(terms, looks)}"
     )
 
 
@@ -95,13 +96,18 @@ def error_rates(terms: Terms, checks: int) -> str:
     )
 
 
-def looking_again(terms: Terms) -> str:
-    """Say that the number of replicates belongs fixed beforehand, and what looking again costs."""
+def looking_again(terms: Terms, looks: Sequence[int]) -> str:
+    """Say which look this is, and what a further one costs. looks: numbers of replicates, this one last."""
+    before = ", ".join(map(str, looks[:-1]))
+    this = (
+        f"This is look {len(looks)} at this comparison, at {looks[-1]} replicates after {before}: the declared rate is "
+        f"halved for each further one, to {terms.false_alarms:g} now. "
+        if before else "This is the first look at this comparison. "
+    )
     return (
-        f"These levels hold for one look at a number of replicates that was fixed before the first of them ran. Who "
-        f"adds replicates until something passes looks several times: declare half the rate for each further look "
-        f"(compare.false_alarms = {terms.false_alarms / 2:g}, {terms.false_alarms / 4:g}, ...), which keeps all "
-        f"looks together below {2 * terms.false_alarms:g}. The number that would settle a check is that of a second "
-        f"look, at half the level, with a probability of 0.8 if the difference is as it was found; in brackets the "
-        f"same for the scatter at the ends of its 90 % interval, as few replicates know it badly."
+        f"{this}Who adds replicates until something passes looks several times; halving keeps all looks together below "
+        f"twice the declared rate, and looks.json beside the runs counts them. The number that would settle a check is "
+        f"that of a further look, at {terms.false_alarms / 2:g}, with a probability of 0.8 if the difference is as it "
+        f"was found; in brackets the same for the scatter at the ends of its 90 % interval, as few replicates know it "
+        f"badly."
     )

@@ -12,6 +12,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from msgspec.structs import replace
+
 from harness.runs.folder import runs_root
 from harness.runs.native import NativePolicy
 from harness.runs.outcome import Outcome
@@ -24,6 +26,7 @@ from harness.studies.compare.free import FreeResult, judge_free
 from harness.studies.compare.replicates import Planned, make_starts, planned_runs, replicate_count
 from harness.studies.compare.versions import by_records, explained, known_changes, known_records
 from harness.studies.prepare import Prepared
+from harness.studies.statistics.looks import level_of, which_look
 from harness.studies.verdict import Check, Rerun, failed
 
 if TYPE_CHECKING:
@@ -62,6 +65,7 @@ class Comparison:
 
     words: what a user types for each engine, by its name in tables. response: see `harness.studies.compare.chaos`.
     packing_seconds: CPU time of this process in which packings were made; 0 if all were there.
+    looks: numbers of replicates that it was judged with, this one last; see `harness.studies.statistics.looks`.
     """
 
     scene: Scene
@@ -73,6 +77,7 @@ class Comparison:
     words: Mapping[str, str] = field(default_factory=dict)
     response: Run | None = None
     packing_seconds: float = 0.0
+    looks: tuple[int, ...] = ()
 
     @property
     def all_runs(self) -> tuple[Run, ...]:
@@ -131,14 +136,24 @@ def compare(
     words = {e.name: word_of(e) for e in engines}
     rerun = Rerun(scene_file=scene_file, out=out, packings=packings, words=words, replicates=replicates)
     more = {"response": response} if response else {}
-    found, result = JUDGES[type(scene)](scene, starts, runs, [e.name for e in engines], rerun, **more)
+    looks = which_look(out, starts[0].system.digest(), [e.name for e in engines], len(starts))
+    strict = at_look(scene, looks)
+    found, result = JUDGES[type(scene)](strict, starts, runs, [e.name for e in engines], rerun, **more)
     changes = known_changes(engines, [s.system for s in starts])
     records = known_records(engines, [s.system for s in starts])
     checks = tuple(by_records(explained(c, changes), records) for c in found)
     return Comparison(
         scene=scene, scene_file=scene_file, starts=tuple(starts), runs=runs, checks=checks, result=result,
-        words=words, response=response, packing_seconds=packed,
+        words=words, response=response, packing_seconds=packed, looks=looks,
     )
+
+
+def at_look(scene: Scene, looks: tuple[int, ...]) -> Scene:
+    """Return the scene with the rate of false alarms of the last look; that of the first is the declared one."""
+    if len(looks) < 2:
+        return scene
+    rate = level_of(scene.compare.false_alarms, looks)
+    return replace(scene, compare=replace(scene.compare, false_alarms=rate))
 
 
 def distinct_engines(engines: tuple[Engine, ...], scene: Scene) -> tuple[Engine, ...]:

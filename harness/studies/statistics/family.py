@@ -18,10 +18,10 @@ true difference is just the margin 3.6 would falsely agree at 5 %. (A claim that
 would need no adjustment: R. L. Berger, Technometrics 24, 295 (1982), doi 10.1080/00401706.1982.10487790. But here
 those that hold are picked out and believed one by one.)
 
-The levels are those of one look at a number of replicates fixed beforehand. Who adds replicates until something passes
-looks several times: each further look is to be made at half the level of the one before, which keeps all together below
-twice the declared rate. The number of replicates that is proposed is that of a second look, at half the level
-(`SECOND_LOOK`), and it stands with what it could as well be: the scatter is known from few replicates.
+The levels are those of one look at a number of replicates. Who adds replicates until something passes looks several
+times: each further look is made at half the level of the one before (`harness.studies.statistics.looks`), which keeps
+all together below twice the declared rate. The number of replicates that is proposed is that of a further look, at half
+the level (`SECOND_LOOK`), and it stands with what it could as well be: the scatter is known from few replicates.
 """
 
 from __future__ import annotations

@@ -109,6 +109,27 @@ def replicates_to_equate(difference: Difference, margin: float, level: float, po
     return _least(shows)
 
 
+def replicates_to_exceed(difference: Difference, margin: float, level: float, power: float = POWER) -> int | None:
+    """Return how many replicates would show that the difference is beyond the margin if it is the measured one.
+
+    One-sided: P(t'_nu((|d| - M)/error) > t(1 - level, nu)). None for a difference within the margin, or for too many.
+    """
+    from scipy.stats import nct, t
+
+    beyond = abs(difference.value) - margin
+    if beyond <= 0.0:
+        return None
+
+    def shows(n: int) -> bool:
+        expected = difference.with_count(n)
+        if expected.error == 0:
+            return True
+        edge, shift = float(t.isf(level, expected.dof)), beyond / expected.error
+        return float(np.nan_to_num(nct.sf(edge, expected.dof, shift), nan=float(shift > edge))) >= power
+
+    return _least(shows)
+
+
 def _least(enough: Callable[[int], bool]) -> int | None:
     """Return the least count from FEWEST to MOST that is enough, as `enough` grows with the count."""
     low, high = FEWEST - 1, FEWEST
