@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NoReturn
 
@@ -31,6 +32,19 @@ def as_names(word: str) -> list[str]:
     if twice is not None:
         raise argparse.ArgumentTypeError(f"expected each name once, got {twice!r} twice in {word!r}")
     return names
+
+
+def as_typed(line: str, words: Sequence[str]) -> str:
+    """Return a complaint that begins with an option's name with that name as it was typed, in singular or in plural.
+
+    >>> as_typed("--effect: expected a name", ["effects", "FILE", "--effects=x"])
+    '--effects: expected a name'
+    """
+    option, colon, rest = line.partition(":")
+    other = option.removesuffix("s") if option.endswith("s") else f"{option}s"
+    typed = {word.partition("=")[0] for word in words}
+    swapped = option.startswith("--") and option not in typed and other in typed
+    return f"{other}{colon}{rest}" if swapped else line
 
 
 def as_numbers(word: str) -> list[float]:

@@ -9,9 +9,10 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+from collections.abc import Sequence
 
 from harness import __version__
-from harness.arguments import OneLineParser
+from harness.arguments import OneLineParser, as_typed
 from harness.errors import InputError, system_line
 from harness.places import check_places
 
@@ -26,7 +27,7 @@ def main(arguments: list[str] | None = None) -> int:
         check_places(options)
         return options.run(options)
     except InputError as error:
-        _complain(error)
+        _complain(error, words)
         return 2
     except KeyboardInterrupt:
         print("grainproof: interrupted; finished runs are kept, the same command goes on from here", file=sys.stderr)
@@ -50,12 +51,12 @@ def _first(several: ExceptionGroup) -> Exception:
     return _first(error) if isinstance(error, ExceptionGroup) else error
 
 
-def _complain(error: Exception) -> None:
-    """Print one line that a terminal cannot be harmed by, whatever the user's words were."""
+def _complain(error: Exception, words: Sequence[str] = ()) -> None:
+    """Print one line that a terminal cannot be harmed by, whatever the user's words were; options as in `words`."""
     from harness.scene.fault import printable
 
     line = system_line(error) if isinstance(error, OSError) else str(error)
-    print(f"grainproof: {printable(line)}", file=sys.stderr)
+    print(f"grainproof: {printable(as_typed(line, words))}", file=sys.stderr)
 
 
 def parser() -> argparse.ArgumentParser:

@@ -37,6 +37,14 @@ def require_place(option: str, folder: Path) -> None:
     raise InputError(file=option, expected="a folder that can be written", got=got, fix=fix)
 
 
+def check_file(option: str, target: Path) -> None:
+    """Refuse, before anything runs, a file that cannot be written where an option says."""
+    if target.is_dir() or not target.parent.is_dir() or not _takes_files(target.parent):
+        raise InputError(
+            file=option, expected="a file in a folder that exists and takes files", got=str(target) or "nothing"
+        )
+
+
 def _takes_files(folder: Path) -> bool:
     """Try it with a file without a name: permissions do not tell of /proc, or of a disk that is mounted read-only."""
     try:

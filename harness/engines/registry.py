@@ -49,12 +49,12 @@ def choose_engines(words: list[str], *, ranks: int = 1) -> tuple[Engine, ...]:
     return _told_apart(tuple(dict.fromkeys(chosen)))
 
 
-def find_engine(name: str, *, ranks: int = 1) -> Engine:
+def find_engine(name: str, *, ranks: int = 1, option: str = "--engine") -> Engine:
     """Return one engine by name (`kernel` alone is `kernel:talk`); raises InputError.
 
-    ranks: MPI processes, where the name does not say.
+    ranks: MPI processes, where the name does not say. option: where the name comes from.
     """
-    return _engine(name, parse_word(name, "--engine"), "--engine", ranks)
+    return _engine(name, parse_word(name, option), option, ranks)
 
 
 def choose_alone(words: list[str]) -> tuple[Engine, ...]:

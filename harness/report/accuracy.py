@@ -20,7 +20,9 @@ NAMES = Names(stem="accuracy", tables=("budget", "slopes", "front", "points", "c
 
 BUDGET_NOTE = (
     "The largest step from which on an engine stays below the error on all rungs, and of these the cheapest; only runs "
-    "that passed their checks have a time. What it gives up: the other errors of that setting, and what comes with it."
+    "that passed their checks have a time, and only steps that `grainproof scene` takes are named. What it gives up: "
+    "the other errors of that setting, and what comes with it. dt_fraction is that of the step that ran: so many whole "
+    "steps make the duration, which a rung of few steps feels."
 )
 SLOPE_NOTE = (
     "p in error ~ dt^p by least squares over the rungs of at least 25 steps a contact whose error is above that of the "
@@ -36,8 +38,13 @@ ORACLE_NOTE = (
     "alone. The last column says how far that limit is from that of the talks' laws. Growth: change of the exit, over "
     "the speed, by a displacement of the start, over the radius; chaos sets the limit where it is large."
 )
-FRONT_NOTE = "No other setting of any engine is both faster and better."
-POINT_NOTE = "Errors over the largest relative speed at the start; exit: velocity and spin times radius together."
+FRONT_NOTE = "No other setting of any engine is both faster and better, of those that `grainproof scene` takes."
+POINT_NOTE = (
+    "Errors over the largest relative speed at the start; exit: velocity and spin times radius together. rung: "
+    "dt_fraction as asked for; dt_fraction: of the step that ran. Steps beyond the scene's limit are measured to show "
+    "where things break; `scene` and `run` refuse them."
+)
+SCHEMA = "grainproof accuracy of free bodies, 2"
 
 
 def accuracy_answer(accuracy: Accuracy) -> Answer:
@@ -52,13 +59,13 @@ def accuracy_data(accuracy: Accuracy) -> dict:
     from msgspec import to_builtins
 
     return {
-        "scene_file": accuracy.scene_file.name, "scene": to_builtins(accuracy.scene),
+        "schema": SCHEMA, "scene_file": accuracy.scene_file.name, "scene": to_builtins(accuracy.scene),
         "knob": accuracy.asked.knob.name, "ladder": list(accuracy.asked.values), "quantity": accuracy.asked.quantity,
         "phases": accuracy.phases, "contact_time": accuracy.contact_time, "exit_status": accuracy.exit_status,
         "words": paragraph(accuracy), "host": to_builtins(accuracy.host), "wall_seconds": accuracy.wall_seconds,
         "own_seconds": accuracy.own_seconds, "tables": tables(accuracy),
         "errors": [
-            {"case": t.case, "engine": t.engine, "dt_fraction": p.value, **p.errors}
+            {"case": t.case, "engine": t.engine, "rung": p.rung, "dt_fraction": p.value, **p.errors}
             for t in accuracy.tracks for p in t.points if p.good
         ],
     }

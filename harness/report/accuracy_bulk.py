@@ -13,18 +13,22 @@ from harness.report.files import Names, Written, write_files
 from harness.report.page import Section
 from harness.report.tables import Answer
 from harness.studies.accuracy.bulk_quantities import BULK
+from harness.studies.accuracy.shaken import HOT, UNBALANCED
 
 if TYPE_CHECKING:
     from harness.report.page import Figure
     from harness.studies.accuracy.bulk import BulkAccuracy
 
 BULK_NAMES = Names(stem="accuracy", tables=("budget", "orders", "floor", "front", "rungs"))
-SCHEMA = "grainproof accuracy of bulk quantities, 1"
+SCHEMA = "grainproof accuracy of bulk quantities, 2"
 
 BUDGET_NOTE = (
     "For each knob, the others as declared: the cheapest rung from which on error and its standard error together stay "
-    "below the target, on the cheapest engine. What it gives up: other quantities whose error stands out of the noise; "
-    "or, where no rung keeps the target, why."
+    "below the target, on the cheapest engine; of steps those that `grainproof scene` takes. What it gives up: other "
+    "quantities whose error stands out of the noise; or, where no rung keeps the target, why. Packings that would tell "
+    "are those that bring the standard error of this knob's own error, against its own limit, down to the target: what "
+    "a packing does to all rungs alike is not in it, so that it may take fewer than the quantity itself does (Floor). "
+    "`advise` asks for packings that tell the errors of all knobs together."
 )
 ORDER_NOTE = (
     "p in error ~ x^p over all rungs, x = dt, 1/stiffness, rate, 1/sqrt(N) or width, one standard error by leaving out "
@@ -34,18 +38,24 @@ ORDER_NOTE = (
     "differ by no more than noise (flat)."
 )
 FLOOR_NOTE = (
-    "Scatter over packings at the scene's own setting. Below that of the mean no knob buys anything: only more "
-    "packings, or larger ones, do."
+    "Scatter over packings at the scene's own setting, over the quantity. Below that of the mean no knob buys "
+    "anything: only more packings, or larger ones, do. Packings for 1 %: so many bring the standard error of the "
+    "quantity's mean down to 1 % of it, whatever the knobs do; (scatter of one packing/1 %) squared."
 )
 FRONT_NOTE = (
     "No other setting of any knob or engine is both faster and better, its error with one standard error added; there "
     "the front is drawn. Errors here are those of whole settings: against the limit of all asked knobs together, so "
-    "with what the other knobs leave at their declared values."
+    "with what the other knobs leave at their declared values. Steps that `grainproof scene` refuses are not on it."
 )
 RUNG_NOTE = (
     "CPU time is that of the engine's own process for one whole test, shared out among set-up, run and output as the "
     "engine tells them; the run's, median over packings; rungs that failed have none. To the same strain or angle: a "
-    "faster drive takes less physical time."
+    "faster drive takes less physical time. Steps beyond the scene's limit are measured to show where things break; "
+    "`scene` and `run` refuse them. Unstable are also completed runs whose sample is shaken: opposite walls more than "
+    f"{UNBALANCED:g} times as far out of balance, or discs with more than {HOT:g} times the kinetic energy (over that "
+    "at the drive's speed), as on the finest rung, each by two standard errors over packings. A drive x times as fast "
+    "may have x times both, contacts 1/x as stiff x times the energy: that is physics. Unstable rungs have no time and "
+    "are in no limit and no order."
 )
 
 
@@ -73,8 +83,9 @@ def bulk_data(done: BulkAccuracy) -> dict:
         error_bar     one standard error over the scale: of a rung that of its error, of a limit its own
         measured only:      declared (whether it is the scene's own setting), status, reason, each (values by packing,
                       null without), error (>= 0) and signed_error against the knob's limit (of `law`: against the
-                      scene as declared), seen (error > 2 error_bar), whole_error and whole_error_bar (against the limit
-                      of all asked knobs), cpu_seconds (median of a test; null for failed rungs), cpu_seconds_each,
+                      scene as declared), seen (error > 2 error_bar), beyond_limit (the largest dt_fraction that the
+                      scene takes, where this one is larger), whole_error and whole_error_bar (against the limit of all
+                      asked knobs), cpu_seconds (median of a test; null for failed rungs), cpu_seconds_each,
                       setup_seconds, output_seconds, dt (s), steps, particles
         extrapolated only:  state ("extrapolated", "outside", "flat": see `harness.studies.accuracy.limit`), how,
                       order_used, order, order_error (shown by the whole ladder; null if noise hides it)
@@ -109,8 +120,8 @@ def bulk_summary(done: BulkAccuracy) -> str:
     host = done.host
     return (
         f"{what(done).capitalize()} against {', '.join(done.knobs)}; {done.packings} packings, "
-        f"{', '.join(done.engines)}; {done.runs} runs on {host.cpu_model}, at most {done.load:.0f} processes at a time "
-        f"on {host.cores} cores"
+        f"{', '.join(done.engines)}; {done.runs} runs on {host.cpu_model}, {host.cores} cores; load of the machine, "
+        f"these runs and all else on it, up to {done.load:.1f} when a run began"
     )
 
 

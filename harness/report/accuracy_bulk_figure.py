@@ -23,10 +23,14 @@ BULK_CAPTION = (
     "bar ends where the error may be. Lines: power laws with the order that the ladder shows. Dark band: scatter of "
     "the mean over packings, below which no knob buys anything; light band: scatter of one packing. Below: the "
     "quantity itself with one standard error, and at the right its limit (cross). Crosses at the top: rungs without an "
-    "answer. Last column: all knobs together, each setting against the limit of all knobs; the front in grey."
+    "answer. Pale: steps beyond the scene's stability limit, which `scene` refuses. Last column: all knobs together, "
+    "each setting against the limit of all knobs; the front in grey."
 )
 LEAST = 1e-4
 """Error below which nothing is drawn: floors are far above."""
+
+PALE = 0.35
+"""Of what no scene can have."""
 
 
 def bulk_figure(done: BulkAccuracy):
@@ -68,7 +72,7 @@ def _draw_errors(axes, done: BulkAccuracy, ladders: list[Ladder]) -> None:
     for ladder in ladders:
         known = [(r, e) for r, e in ladder.known(done.quantity) if r.seconds is not None and e.most > 0.0]
         for rung, error in known:
-            _draw_point(axes, done, ladder.engine, rung.seconds if runs_change else rung.x, error)
+            _draw_point(axes, done, ladder.engine, rung, rung.seconds if runs_change else rung.x, error)
         _draw_order(axes, done, ladder, known)
     _bands(axes, done)
     _scales(axes)
@@ -77,12 +81,12 @@ def _draw_errors(axes, done: BulkAccuracy, ladders: list[Ladder]) -> None:
         axes.legend(fontsize=7, loc="lower left")
 
 
-def _draw_point(axes, done: BulkAccuracy, engine: str, x: float, error: Error) -> None:
+def _draw_point(axes, done: BulkAccuracy, engine: str, rung: Rung, x: float, error: Error) -> None:
     look, y = _look(done, engine), max(error.size, LEAST)
     bars = np.array([[min(error.bar, 0.9 * y)], [error.most - y if error.most > y else 0.0]])
     axes.errorbar(
         [x], [y], yerr=bars, ms=5, lw=0, elinewidth=0.9, capsize=2, **look,
-        markerfacecolor=look["color"] if error.seen else "white",
+        markerfacecolor=look["color"] if error.seen else "white", alpha=None if rung.beyond is None else PALE,
     )
 
 
@@ -146,8 +150,9 @@ def _draw_values(axes, done: BulkAccuracy, ladders: list[Ladder]) -> None:
         look = _look(done, ladder.engine)
         axes.errorbar(places, means, yerr=bars, ms=4, lw=0.8, elinewidth=0.8, capsize=1.5, **look)
         _draw_limit(axes, done, ladder, number)
-        _draw_failed(axes, ladder, number, look["color"], words=words)
+        _draw_failed(axes, done, ladder, number, look["color"])
     _dress_values(axes, ladders[0], words=words)
+    _shade_beyond(axes, ladders[0])
 
 
 def _place(ladder: Ladder, x: float) -> float:
@@ -165,8 +170,19 @@ def _draw_limit(axes, done: BulkAccuracy, ladder: Ladder, number: int) -> None:
                       color=_look(done, ladder.engine)["color"])
 
 
-def _draw_failed(axes, ladder: Ladder, number: int, colour: str, *, words: bool) -> None:
-    failed = [r.x if words else _place(ladder, r.x) for r in ladder.rungs if not r.good]
+def _shade_beyond(axes, ladder: Ladder) -> None:
+    """Shade where steps lie that no scene can have, up to half-way (on this axis) to those that one can."""
+    places = {_place(ladder, r.x): r.beyond is not None for r in ladder.rungs} if not ladder.knob.words else {}
+    out = [p for p, beyond in places.items() if beyond]
+    if out and len(out) < len(places):
+        edge = np.sqrt(max(out) * min(p for p in places if p > max(out)))
+        axes.axvspan(min(out) / 1.5, edge, color="#c8553d", alpha=0.08, lw=0, zorder=0)
+
+
+def _draw_failed(axes, done: BulkAccuracy, ladder: Ladder, number: int, colour: str) -> None:
+    """Put a cross at the top for every rung that has not the quantity, those of each engine a little lower."""
+    lost = [r for r in ladder.rungs if value_of(r.values.get(done.quantity))[0] is None]
+    failed = [r.x if ladder.knob.words else _place(ladder, r.x) for r in lost]
     axes.plot(failed, [0.97 - 0.04 * number] * len(failed), "x", ms=7, mew=1.8, color=colour,
               transform=axes.get_xaxis_transform())
 
@@ -195,7 +211,7 @@ def _draw_front(axes, done: BulkAccuracy) -> None:
         for rung in ladder.rungs:
             error = ladder.whole_error(rung, done.quantity, others)
             if error is not None and rung.seconds is not None:
-                _draw_point(axes, done, ladder.engine, rung.seconds, error)
+                _draw_point(axes, done, ladder.engine, rung, rung.seconds, error)
     best = [(r.seconds, e.most) for _, r, e in front(done.ladders, done.quantity)]
     if len(best) > 1:
         axes.step(*np.array(best).T, where="post", color="#999999", lw=5, alpha=0.5, zorder=1)
@@ -217,6 +233,7 @@ def _draw_key(axes, done: BulkAccuracy) -> None:
         Line2D([], [], ls="", marker="x", ms=7, mew=1.8, color=grey, label="limit; at the top: no answer"),
         Patch(color="#888888", alpha=0.5, label=f"scatter of the mean of {done.packings} packings"),
         Patch(color="#888888", alpha=0.15, label="scatter of one packing"),
+        Patch(color="#c8553d", alpha=0.08, label="beyond the scene's stability limit (points: pale)"),
         Line2D([], [], color="#999999", lw=5, alpha=0.5, label="front"),
     ]
     axes.axis("off")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from harness.report.accuracy_tables import percent
+from harness.report.accuracy_tables import BEYOND, percent
 from harness.studies.accuracy.bulk_quantities import BULK
 from harness.studies.accuracy.bulk_result import cheapest, front
 from harness.studies.accuracy.limit import standard_error
@@ -75,7 +75,7 @@ def above(done: BulkAccuracy, offer: Offer) -> str:
     if floor is None or floor.mean <= offer.target:
         return ""
     return (
-        f"; the mean over packings itself is known to {percent(floor.mean)} only: "
+        f"; the {done.quantity} itself, mean over packings, is known to {percent(floor.mean)} only: "
         f"{floor.needed(offer.target)} packings would do"
     )
 
@@ -153,15 +153,22 @@ def _rung_row(done: BulkAccuracy, ladder: Ladder, rung: Rung) -> dict:
     name = done.quantity
     error, values = ladder.error(rung, name), rung.values.get(name)
     value, scatter, count = value_of(values)
+    column = column_of(done)
     return {
         "knob": ladder.knob.name, "engine": ladder.engine, "setting": rung.label, "status": rung.status,
-        name: value, f"{name} +-": scatter, "packings": count,
+        BEYOND: rung.beyond, column: value, f"{column} +-": scatter, "packings": count,
         "error": error.size if error else None, "error +-": error.bar if error else None,
         "CPU (s)": rung.seconds, "least (s)": min(rung.each, default=None), "largest (s)": max(rung.each, default=None),
         "set-up (s)": rung.setup, "output (s)": rung.output, "particles": rung.particles,
         "dt (s)": rung.dt if np.isfinite(rung.dt) else None, "steps": rung.steps,
         "reason": rung.reason or _lacks(rung, name, len(rung.each)),
     }
+
+
+def column_of(done: BulkAccuracy) -> str:
+    """Return the asked quantity as the head of a column, its unit beside it."""
+    unit = next(b.unit for b in BULK[type(done.scene)] if b.name == done.quantity)
+    return done.quantity if unit == "1" else f"{done.quantity} ({unit})"
 
 
 def value_of(values: np.ndarray | None) -> tuple[float | None, float | None, int]:
@@ -215,8 +222,8 @@ def _measured_row(done: BulkAccuracy, ladder: Ladder, rung: Rung, name: str, oth
         "signed_error": error.signed if error else None, "seen": error.seen if error else None,
         "whole_error": whole.size if whole else None, "whole_error_bar": whole.bar if whole else None,
         "cpu_seconds": rung.seconds, "cpu_seconds_each": list(rung.each), "setup_seconds": rung.setup,
-        "output_seconds": rung.output, "dt": rung.dt if np.isfinite(rung.dt) else None, "steps": rung.steps,
-        "particles": rung.particles, "each": None if values is None else _each(values),
+        "output_seconds": rung.output, "beyond_limit": rung.beyond, "dt": rung.dt if np.isfinite(rung.dt) else None,
+        "steps": rung.steps, "particles": rung.particles, "each": None if values is None else _each(values),
     }
 
 

@@ -12,14 +12,14 @@ from harness.studies.accuracy.result import TARGETS
 
 if TYPE_CHECKING:
     from harness.studies.accuracy.bulk import BulkAccuracy
-    from harness.studies.accuracy.bulk_result import Ladder
+    from harness.studies.accuracy.bulk_result import Ladder, Rung
 
 
 def bulk_paragraph(done: BulkAccuracy) -> str:
     """Return the findings, a sentence each, leaving out what was not found."""
     sentences = [
         _floor(done), *(_knob(done, knob) for knob in done.knobs), *(_budget(done, t) for t in TARGETS), _front(done),
-        _failed(done), _lacking(done), _own(done),
+        _beyond(done), _failed(done), _lacking(done), _own(done),
     ]
     return " ".join(s for s in sentences if s)
 
@@ -59,7 +59,7 @@ def _ladder(done: BulkAccuracy, ladder: Ladder) -> str:
         return ""
     if ladder.knob.words:
         return f"{ladder.engine} {', '.join(_off(r.label, e) for r, e in known if not r.own)}"
-    rung, error = known[0]
+    rung, error = next(((r, e) for r, e in known if r.beyond is None), known[0])
     if all(e.size == 0.0 and e.bar == 0.0 for _, e in known):
         return f"{ladder.engine} does not depend on it"
     order = ladder.orders.get(done.quantity)
@@ -102,10 +102,28 @@ def _front(done: BulkAccuracy) -> str:
     return f"On the front of all knobs together: {told}."
 
 
+def _beyond(done: BulkAccuracy) -> str:
+    """Name the steps that no scene can have, by knob."""
+    sentences = []
+    for knob in done.knobs:
+        found = [r for la in done.ladders if la.knob.name == knob for r in la.rungs if r.beyond is not None]
+        if found:
+            labels = ", ".join(dict.fromkeys(r.label for r in found))
+            sentences.append(
+                f"{knob.capitalize()} = {labels}: beyond the scene's limit of {found[0].beyond:.3g}, so measured and "
+                "shown, but in no budget and on no front."
+            )
+    return " ".join(sentences)
+
+
 def _failed(done: BulkAccuracy) -> str:
-    told = [f"{la.knob.name} = {r.label} on {la.engine} ({r.status})" for la in done.ladders for r in la.rungs
+    told = [f"{la.knob.name} = {r.label} on {la.engine} ({_fate(r)})" for la in done.ladders for r in la.rungs
             if r.status not in ("completed", "unavailable", "unsupported")]
     return f"No answer: {', '.join(told)}." if told else ""
+
+
+def _fate(rung: Rung) -> str:
+    return f"{rung.status}: {rung.reason}" if rung.reason else rung.status
 
 
 def _lacking(done: BulkAccuracy) -> str:

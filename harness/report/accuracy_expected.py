@@ -12,11 +12,11 @@ from harness.scene.explain import time_row
 from harness.scene.load import load_scene
 from harness.scene.model import Free, Scene
 from harness.scene.system import System
-from harness.studies.accuracy.asked import Asked, asked_all
+from harness.studies.accuracy.asked import Asked
 from harness.studies.accuracy.bulk import bulk_engines, packing_count
 from harness.studies.accuracy.bulk_plan import Setting, bare_settings
 from harness.studies.accuracy.steps import ladders
-from harness.studies.accuracy.study import chosen_engines, phase_count
+from harness.studies.accuracy.study import checked, chosen_engines, phase_count
 from harness.studies.accuracy.turn import stepped_system
 
 OWN = ("own", 0.0)
@@ -29,7 +29,9 @@ def announcement(
 ) -> str:
     """Return a line on how long a study takes. Raises InputError."""
     scene = load_scene(scene_file)
-    wanted = asked_all(scene, scene_file, knob=knob, ladder=ladder, quantity=quantity)
+    wanted = checked(
+        scene, scene_file, knob=knob, ladder=ladder, quantity=quantity, phases=phases, packings=packings
+    )
     if isinstance(scene, Free):
         able = chosen_engines(engines, wanted[0])
         expected = expected_free(scene, scene_file, wanted[0], able, phases=phase_count(phases), workers=workers)

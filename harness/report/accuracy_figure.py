@@ -21,7 +21,8 @@ CAPTION = (
     "Error of what bodies leave with, over the speed of the impact: rms over the phases of the step in which contacts "
     "begin, bars from the 10 to the 90 per cent quantile. Above against CPU time for the same physical time, set-up "
     "and output left out, the front of the best settings in grey; below against steps a contact, with fitted slopes. "
-    "Crosses at the top: rungs without an answer. Grey band: how far the limits of the codes' laws are apart."
+    "Crosses at the top: rungs without an answer. Hollow: steps beyond the scene's stability limit (dash-dotted), "
+    "which `scene` refuses; they are not on the front. Grey band: how far the limits of the codes' laws are apart."
 )
 
 
@@ -50,6 +51,7 @@ def _draw(axes, accuracy: Accuracy, tracks: list[Track], *, against_time: bool) 
     else:
         _draw_fits(axes, tracks, quantity)
         _draw_failed(axes, tracks)
+        _draw_limit(axes, tracks)
     _dress(axes, tracks, quantity)
     axes.set_xlabel("CPU time (ms)" if against_time else "steps a contact")
 
@@ -63,6 +65,11 @@ def _draw_track(axes, quantity: str, track: Track, points: list[Point], number: 
         x, size, yerr=bars, ms=4, lw=1.0 if against_time else 0.0, elinewidth=0.8, capsize=1.5,
         color=COLOURS[number % len(COLOURS)], marker=MARKERS[number % len(MARKERS)],
         label=_label(track, quantity, against_time),
+    )
+    out = [k for k, p in enumerate(points) if p.beyond is not None]
+    axes.plot(
+        [x[k] for k in out], size[out], ls="", ms=5, mfc="white", mec=COLOURS[number % len(COLOURS)], zorder=4,
+        marker=MARKERS[number % len(MARKERS)],
     )
 
 
@@ -95,6 +102,13 @@ def _draw_failed(axes, tracks: list[Track]) -> None:
         height = [0.98 - 0.03 * number] * len(failed)
         axes.plot(failed, height, "x", ms=6, mew=1.6, color=COLOURS[number % len(COLOURS)], zorder=3,
                   transform=axes.get_xaxis_transform())
+
+
+def _draw_limit(axes, tracks: list[Track]) -> None:
+    """Where the scene's stability limit lies, if rungs are beyond it."""
+    limit = next((p.beyond for t in tracks for p in t.points if p.beyond is not None), None)
+    if limit is not None:
+        axes.axvline(1.0 / limit, color="#555555", lw=0.9, ls="-.", zorder=0)
 
 
 def _dress(axes, tracks: list[Track], quantity: str) -> None:

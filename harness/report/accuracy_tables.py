@@ -10,6 +10,9 @@ if TYPE_CHECKING:
     from harness.studies.accuracy.result import Point, Track
     from harness.studies.accuracy.study import Accuracy
 
+BEYOND = "beyond the scene's limit of"
+"""Column of the largest dt_fraction that the scene takes; empty for rungs that keep to it."""
+
 NOT_SYMPLECTIC = "energy drifts over many collisions without damping"
 """What the second-order scheme gives up."""
 
@@ -40,12 +43,23 @@ def _budget_row(accuracy: Accuracy, target: float, of: str, track: Track | None,
             "error below": target, "of": of, "cheapest": None, "dt_fraction": None, "steps": None, "error": None,
             "CPU (ms)": None, "times faster than the scene's step": None, "gives up": "no timed rung does",
         }
-    own = accuracy.scene.numerics.dt_fraction
     return {
         "error below": target, "of": of, "cheapest": track.engine, "dt_fraction": point.value, "steps": point.steps,
         "error": point.size(accuracy.asked.quantity), "CPU (ms)": 1e3 * point.seconds,
-        "times faster than the scene's step": point.value / own, "gives up": gives_up(track, point),
+        "times faster than the scene's step": point.value / own_step(accuracy, track),
+        "gives up": gives_up(track, point),
     }
+
+
+def is_own(accuracy: Accuracy, point: Point) -> bool:
+    """Whether the scene's own step was asked for on this rung."""
+    return abs(point.rung / accuracy.scene.numerics.dt_fraction - 1.0) < 1e-9
+
+
+def own_step(accuracy: Accuracy, track: Track) -> float:
+    """Return the dt_fraction that ran for the scene's own step; as declared where the ladder does not have it."""
+    ran = (p.value for p in track.points if is_own(accuracy, p))
+    return next(ran, accuracy.scene.numerics.dt_fraction)
 
 
 def gives_up(track: Track, point: Point) -> str:
@@ -86,8 +100,9 @@ def _point_row(accuracy: Accuracy, track: Track, point: Point) -> dict:
     low, high = point.range(quantity) if quantity in point.errors else (None, None)
     sizes = {q: point.size(q) if q in point.errors else None for q in ("exit", "velocity", "spin")}
     return {
-        "case": track.case, "engine": track.engine, "dt_fraction": point.value, "dt (s)": point.dt,
-        "steps": point.steps, "status": point.status, **sizes, f"{quantity}, 10 % of phases below": low,
+        "case": track.case, "engine": track.engine, "rung": point.rung, "dt_fraction": point.value, "dt (s)": point.dt,
+        "steps": point.steps, "status": point.status, BEYOND: point.beyond, **sizes,
+        f"{quantity}, 10 % of phases below": low,
         f"{quantity}, 90 % of phases below": high, "CPU (ms)": None if point.seconds is None else 1e3 * point.seconds,
         "reason": point.reason,
     }

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from harness.report.accuracy_tables import percent
+from harness.report.accuracy_tables import is_own, percent
 from harness.studies.accuracy.result import TARGETS, best
 
 if TYPE_CHECKING:
     from harness.studies.accuracy.fit import Fit
-    from harness.studies.accuracy.result import Track
+    from harness.studies.accuracy.result import Point, Track
     from harness.studies.accuracy.study import Accuracy
 
 FINEST = TARGETS[-1]
@@ -23,7 +23,8 @@ def paragraph(accuracy: Accuracy) -> str:
     """Return the findings, a sentence each, leaving out what was not found."""
     sentences = [
         *(_slopes(accuracy, case) for case in accuracy.cases), _scenes_own(accuracy), _steps_needed(accuracy),
-        *(_cheapest(accuracy, target) for target in TARGETS), _floor(accuracy), _failed(accuracy),
+        *(_cheapest(accuracy, target) for target in TARGETS), _floor(accuracy), _beyond(accuracy),
+        _failed(accuracy),
     ]
     return " ".join(s for s in sentences if s)
 
@@ -50,8 +51,7 @@ def _alike(fits: dict[str, Fit]) -> dict[str, list[str]]:
 
 def _scenes_own(accuracy: Accuracy) -> str:
     own, quantity = accuracy.scene.numerics.dt_fraction, accuracy.asked.quantity
-    found = {t.engine: p.size(quantity) for t in accuracy.declared for p in t.known(quantity)
-             if abs(p.value / own - 1.0) < 1e-9}
+    found = {t.engine: p.size(quantity) for t in accuracy.declared for p in t.known(quantity) if is_own(accuracy, p)}
     told = ", ".join(f"{engine} {percent(size)}" for engine, size in found.items())
     return f"At the scene's own step, dt_fraction = {own:g}, errors are: {told}." if told else ""
 
@@ -84,7 +84,7 @@ def _cheapest(accuracy: Accuracy, target: float) -> str:
     if choice.point is None:
         return f"No timed setting of this ladder stays below {percent(target)}."
     return (
-        f"Cheapest rung below {percent(target)}: {choice.track.engine} at dt_fraction = {choice.point.value:g}, "
+        f"Cheapest rung below {percent(target)}: {choice.track.engine} at dt_fraction = {choice.point.value:.4g}, "
         f"{1e3 * choice.point.seconds:.2g} ms."
     )
 
@@ -102,12 +102,38 @@ def _floor(accuracy: Accuracy) -> str:
     )
 
 
+def _beyond(accuracy: Accuracy) -> str:
+    """Name the rungs that were measured and that no scene can have."""
+    found = [(t.engine, [p for p in t.points if p.beyond is not None and p.good]) for t in accuracy.declared]
+    limits = [p.beyond for _, points in found for p in points]
+    if not limits:
+        return ""
+    told = "; ".join(f"{engines} at {values}" for values, engines in _grouped(
+        (_values(points), engine) for engine, points in found if points
+    ).items())
+    return (
+        f"Beyond the scene's limit of {limits[0]:.3g}, so measured and shown, but in no budget and on no front: {told} "
+        "(dt_fraction)."
+    )
+
+
 def _failed(accuracy: Accuracy) -> str:
+    """Name the rungs without an answer, and why there is none."""
     quantity = accuracy.asked.quantity
-    told = [f"{t.engine} at {_values(p.value for p in t.points if not p.good)}"
-            for t in accuracy.declared if t.known(quantity) and not all(p.good for p in t.points)]
-    return f"No answer: {'; '.join(told)} (dt_fraction)." if told else ""
+    told = [
+        f"{t.engine} at {_values([p])} ({p.reason or p.status})"
+        for t in accuracy.declared if t.known(quantity) for p in t.points if not p.good
+    ]
+    return f"No answer: {'; '.join(told)}." if told else ""
 
 
-def _values(values: Iterable[float]) -> str:
-    return ", ".join(f"{v:g}" for v in values)
+def _grouped(pairs: Iterable[tuple[str, str]]) -> dict[str, str]:
+    """Return the second words by what stands first, those that share it together."""
+    found: dict[str, list[str]] = {}
+    for first, second in pairs:
+        found.setdefault(first, []).append(second)
+    return {first: ", ".join(of) for first, of in found.items()}
+
+
+def _values(points: Iterable[Point]) -> str:
+    return ", ".join(f"{p.value:.4g}" for p in points)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from harness.report.effects_figure import CAPTION, effects_figure
 from harness.report.effects_notes import NOTES
-from harness.report.effects_tables import saved, tables
+from harness.report.effects_tables import saved, tables, traces_in_short, visible_trials
 from harness.report.effects_words import paragraph
 from harness.report.files import Names, Written, write_files
 from harness.report.page import Figure, Section
@@ -85,7 +85,7 @@ def summary(study: EffectsStudy) -> str:
 
 
 def _sections(study: EffectsStudy, figures: tuple[Figure, ...]) -> list[Section]:
-    found = tables(study)
+    found = tables(study) | {"traces": traces_in_short(study), "trials": visible_trials(study)}
     parts = [Section(heading=HEADINGS[n], note=NOTES[n], rows=found[n]) for n in TABLES if found[n]]
     return [
         Section(heading="In words", note=paragraph(study)),

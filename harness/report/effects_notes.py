@@ -7,18 +7,22 @@ NOTES = {
         "own."
     ),
     "smallest": (
-        "An effect may go when without it every chosen quantity is shown to stay within the tolerance. All that "
-        "may go are then left out together, and a run of that scene decides. Times: of a whole run, over the scene "
-        "as declared."
+        "An effect goes when without it every chosen quantity is shown to stay within the tolerance, and time is "
+        "saved beyond what the timing scatters by: on one engine at least the whole range of the ratio lies below 1, "
+        "and the mean over engines does (a ratio whose range holds 1 counts as 1). All that may go are then left out "
+        "together, and a run of that scene decides. Times: of a whole run, over the scene as declared."
     ),
     "trials": (
-        "Combinations that were run, on the same packings."
+        "Combinations that were run, on the same packings: the chosen quantities, and all others that differ (the "
+        "CSV table has every one)."
     ),
     "chosen": (
-        "Change: mean over packings of the switched scene less the scene as declared on the same packing, over its "
-        "size. Error bar: spread over packings of the scene as declared, of one packing the standard error of its "
-        "time average, of what bodies leave a free scene with the tolerance. Within the tolerance: shown to be "
-        "(agrees), shown not to be (differs), or neither (inconclusive), each at 5 %."
+        "Change: mean over packings of the switched scene less the scene as declared on the same packing, over what "
+        "its column names. exit, velocity, spin and stress_strain are deviations from the scene as declared, as parts "
+        "of that (unit 1): as declared they are 0. Error bar: spread over packings of the scene as declared, of one "
+        "packing the standard error of its time average, of what bodies leave a free scene with the tolerance. Within "
+        "the tolerance: shown to be (agrees), shown not to be (differs), or neither (inconclusive), each at 5 %. "
+        "Packings needed: so many would be expected to tell, in four of five cases, if the change is as measured."
     ),
     "costs": (
         "CPU time of a step in sessions that stay open side by side and make stretches of steps in turn; set-up "
@@ -28,7 +32,8 @@ NOTES = {
     "traces": (
         "What an engine's deck, the kernel's program (operations a step), the memory of a contact and the output "
         "have more with the effect than without it, and what stands there while it is off. Agrees: nothing. A "
-        "known difference: what an engine cannot leave out, with the reason."
+        "known difference: what an engine cannot leave out, with the reason. Lines are shortened here; traces.csv "
+        "has all of them in full."
     ),
     "zeros": (
         "Runs that start together, with the effect off, and on with its coefficient at zero: largest difference of "

@@ -13,10 +13,17 @@ if TYPE_CHECKING:
     from harness.studies.effects.footprint import Footprint
     from harness.studies.effects.study import EffectsStudy
 
-SHOWN_LINES = 3
-"""Deck lines of one effect that a table quotes; the others are counted, and stand in the JSON file."""
+SHOWN_LINES = 2
+"""Deck lines of one effect that the page quotes; the others are counted, and stand in the CSV table."""
 
-LONGEST_LINE = 110
+LONGEST_LINE = 60
+"""Characters of a line on the page."""
+
+LONGEST_WHY = 160
+"""Characters of a reason on the page."""
+
+BETWEEN = " | "
+"""Between lines in one cell."""
 
 
 def tables(study: EffectsStudy) -> dict[str, list[dict]]:
@@ -44,18 +51,28 @@ def effect_rows(study: EffectsStudy) -> list[dict]:
 
 
 def trace_rows(study: EffectsStudy) -> list[dict]:
-    """One row an effect and engine: what is there with it only, and what is left while it is off."""
+    """One row an effect and engine: what is there with it only, and what is left while it is off, in full."""
     return [_trace_row(f) for f in study.footprints]
+
+
+def traces_in_short(study: EffectsStudy) -> list[dict]:
+    """The same rows for people: a few lines quoted, the others counted."""
+    return [
+        _trace_row(f) | {
+            "why": _cut(f.why, LONGEST_WHY), "these lines": _quoted(f.added), "left while off": _quoted(f.left),
+        }
+        for f in study.footprints
+    ]
 
 
 def _trace_row(f: Footprint) -> dict:
     return {
         "effect": f.effect, "engine": f.engine, "off leaves nothing": f.verdict, "why": f.why,
         "deck lines with it": len(f.added) if f.verdict != "not_checked" else None,
-        "for example": _quoted(f.added), "operations": _counted(f.operations),
+        "these lines": BETWEEN.join(f.added) or None, "operations": _counted(f.operations),
         "a contact remembers": _counted(f.memory),
         "output columns": None if f.columns is None else ", ".join(f.columns) or "none",
-        "left while off": "; ".join(_cut(line) for line in f.left) or None,
+        "left while off": BETWEEN.join(f.left) or None,
     }
 
 
@@ -88,7 +105,8 @@ def _cost_row(study: EffectsStudy, engine: str, variant: str) -> dict:
 def _change_row(c: Change) -> dict:
     return {
         "scene": c.variant, "quantity": c.quantity, "unit": c.unit, "as declared": c.base, "switched": c.value,
-        "change (%)": _percent(c.relative), "standard error (%)": _percent(c.error), "error bar (%)": _percent(c.bar),
+        "change (%)": _percent(c.relative), "change is over": c.over, "standard error (%)": _percent(c.error),
+        "error bar (%)": _percent(c.bar),
         "change in error bars": c.in_bars, "within the tolerance": c.verdict, "why": c.why, "packings": c.packings,
         "packings needed": c.needed,
     }
@@ -100,7 +118,8 @@ def smallest_rows(study: EffectsStudy) -> list[dict]:
     for v in (v for v in study.variants if v.effect.on):
         name, why = v.effect.name, ""
         if name in study.smallest.left_out:
-            why = "the reduced scene keeps the tolerance without it"
+            quick = ", ".join(e for e in _engines(study) if study.faster(e, v.name))
+            why = f"the reduced scene keeps the tolerance without it; every stretch is faster on {quick}"
         elif name in along:
             why = f"it goes with {along[name]}"
         rows.append({
@@ -123,17 +142,28 @@ def _along(study: EffectsStudy) -> dict[str, str]:
 
 
 def trial_rows(study: EffectsStudy) -> list[dict]:
-    """One row a combination that was run and a chosen quantity."""
+    """One row a combination that was run and a quantity, the chosen ones first."""
     return [
         {"trial": number, "holds": "yes" if t.holds else "no", **_change_row(c)}
-        for number, t in enumerate(study.smallest.trials, start=1) for c in t.changes
+        for number, t in enumerate(study.smallest.trials, start=1) for c in (*t.changes, *t.others)
     ]
 
 
+def visible_trials(study: EffectsStudy) -> list[dict]:
+    """The same rows without quantities that nobody chose and that do not visibly change."""
+    wanted = study.asked.quantities
+    return [r for r in trial_rows(study) if r["quantity"] in wanted or r["within the tolerance"] == "differs"]
+
+
 def saved(study: EffectsStudy) -> dict[str, float]:
-    """Return the part of a run's time that the smallest set saves, by engine; of engines that were timed."""
+    """Return the part of a run's time that the smallest set saves, by engine; of engines that were timed.
+
+    0 where the stretches scatter about no difference.
+    """
     found = {e: study.whole_ratio(e, REDUCED) for e in _engines(study)}
-    return {e: 1.0 - ratio for e, ratio in found.items() if ratio is not None}
+    known = {e: ratio for e, ratio in found.items() if ratio is not None}
+    longer = study.steps[REDUCED] / study.steps[BASE] if known else 1.0
+    return {e: 1.0 - r if study.costs[e, REDUCED].differs(longer) else 0.0 for e, r in known.items()}
 
 
 def _engines(study: EffectsStudy) -> list[str]:
@@ -143,11 +173,11 @@ def _engines(study: EffectsStudy) -> list[str]:
 def _quoted(lines: tuple[str, ...]) -> str | None:
     shown = [_cut(line) for line in lines[:SHOWN_LINES]]
     more = [f"and {len(lines) - SHOWN_LINES} more"] if len(lines) > SHOWN_LINES else []
-    return " | ".join([*shown, *more]) or None
+    return BETWEEN.join([*shown, *more]) or None
 
 
-def _cut(line: str) -> str:
-    return line if len(line) <= LONGEST_LINE else f"{line[:LONGEST_LINE - 3]}..."
+def _cut(line: str, longest: int = LONGEST_LINE) -> str:
+    return line if len(line) <= longest else f"{line[:longest - 3]}..."
 
 
 def _counted(found: Mapping[str, int] | None) -> str | None:

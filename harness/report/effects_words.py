@@ -5,12 +5,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from harness.report.effects_tables import saved
-from harness.studies.effects.study import REDUCED
 from harness.studies.effects.variants import BASE
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from harness.studies.effects.changes import Change
     from harness.studies.effects.study import EffectsStudy
+
+
+MOST_TOLD = 3
+"""Quantities beside the chosen ones that are named; the others are counted, and stand in the tables."""
 
 
 def paragraph(study: EffectsStudy) -> str:
@@ -30,7 +35,7 @@ def _what_matters(study: EffectsStudy) -> str:
     found = [(v, w) for v in study.variants if v.effect.on and v.scene is not None
              and (w := _worst(study, v.name)) is not None and w.verdict == "differs"]
     if not found:
-        return "No effect that can be switched off changes a chosen quantity beyond the tolerance."
+        return "No effect that can be switched off is shown to change a chosen quantity beyond the tolerance."
     told = [f"{v.effect.name} ({_told(w)})" for v, w in sorted(found, key=lambda f: -_size(f[1]))]
     return f"What the scene cannot do without: {'; '.join(told)}."
 
@@ -38,17 +43,37 @@ def _what_matters(study: EffectsStudy) -> str:
 def _what_does_not(study: EffectsStudy) -> str:
     found = [v for v in study.variants if v.effect.on and v.scene is not None and _all(study, v.name, "agrees")]
     told = [f"{v.effect.name} ({_told(_worst(study, v.name))})" for v in found]
-    return f"Within {_percent(study.asked.tolerance)} without: {'; '.join(told)}." if told else ""
+    if not told:
+        return ""
+    beside = [f" Without {v.effect.name}{more}." for v in found if (more := _visible(study, _others(study, v.name)))]
+    return f"Within {_percent(study.asked.tolerance)} without: {'; '.join(told)}.{''.join(beside)}"
+
+
+def _others(study: EffectsStudy, variant: str) -> list[Change]:
+    return [c for c in study.changes if c.variant == variant and c.quantity not in study.asked.quantities]
+
+
+def _visible(study: EffectsStudy, changes: Iterable[Change]) -> str:
+    """Say which quantities that nobody chose differ, the largest changes first; "" if none does."""
+    found = sorted((c for c in changes if c.verdict == "differs"), key=_size, reverse=True)
+    if not found:
+        return ""
+    told = [f"{c.quantity} {_with_error(c)}" for c in found[:MOST_TOLD]]
+    told += [f"and {len(found) - MOST_TOLD} more"] if len(found) > MOST_TOLD else []
+    return f" other quantities differ by more than {_percent(study.asked.tolerance)}: {', '.join(told)}"
 
 
 def _not_told(study: EffectsStudy) -> str:
     open_ = [c for c in study.chosen if c.verdict == "inconclusive"]
     if not open_:
         return ""
-    needed = [c.needed for c in open_ if c.needed]
-    more = f"; {min(needed)} to {max(needed)} packings would settle most of it" if needed else ""
-    told = ", ".join(dict.fromkeys(f"{c.quantity} {c.variant}" for c in open_))
-    return f"Not to be told from {study.asked.packings} packing{'s' * (study.asked.packings > 1)}: {told}{more}."
+    told = ", ".join(f"{c.quantity} {c.variant} ({_open(c)})" for c in open_)
+    return f"Not to be told from {study.asked.packings} packing{'s' * (study.asked.packings > 1)}: {told}."
+
+
+def _open(change: Change) -> str:
+    needed = f"; about {change.needed} packings would tell" if change.needed else ""
+    return f"{_with_error(change)}{needed}"
 
 
 def _missing(study: EffectsStudy) -> str:
@@ -63,12 +88,13 @@ def _dear(study: EffectsStudy) -> str:
     """What the dearest effect that is on costs, by engine."""
     told = []
     for engine in [e for e, name in study.costs if name == BASE]:
-        ratios = {v.effect.name: study.whole_ratio(engine, v.name) for v in study.variants if v.effect.on and v.scene}
-        known = {name: r for name, r in ratios.items() if r is not None}
+        known = {
+            v.effect.name: study.whole_ratio(engine, v.name) for v in study.variants
+            if v.effect.on and v.scene and study.faster(engine, v.name)
+        }
         if known:
             name = min(known, key=known.get)
-            if known[name] < 1.0:
-                told.append(f"{engine} {name}, {_percent(1.0 - known[name])} of a run")
+            told.append(f"{engine} {name}, {_percent(1.0 - known[name])} of a run")
     return f"The dearest effect that can be switched off: {'; '.join(told)}." if told else ""
 
 
@@ -78,9 +104,11 @@ def _smallest(study: EffectsStudy) -> str:
     if not out:
         return f"The smallest set that keeps {quantities} within {tolerance} is the scene as declared."
     trials, time = len(study.smallest.trials), _saving(study)
+    more = _visible(study, study.smallest.trials[-1].others)
     return (
         f"The smallest set that keeps {quantities} within {tolerance} leaves out {', '.join(out)}; a run of the "
-        f"reduced scene shows it ({trials} combination{'s' * (trials > 1)} run). {time}"
+        f"reduced scene shows it ({trials} combination{'s' * (trials > 1)} run)."
+        f"{f' What else changes:{more}.' if more else ''} {time}"
     )
 
 
@@ -89,12 +117,10 @@ def _saving(study: EffectsStudy) -> str:
     found = saved(study)
     if not found:
         return "The time that saves was not measured."
-    ratio = study.steps[REDUCED] / study.steps[BASE]
-    clear = {e: s for e, s in found.items() if study.costs[e, REDUCED].differs(ratio)}
-    hidden = [e for e in found if e not in clear]
-    told = [f"{_percent(s)} of a run on {e}" for e, s in clear.items()]
+    hidden = [e for e, s in found.items() if s == 0.0]
+    told = [f"{_percent(s)} of a run on {e}" for e, s in found.items() if s != 0.0]
     told += [f"nothing that stands out of the scatter on {', '.join(hidden)}"] if hidden else []
-    return f"That saves {'; '.join(told)}."
+    return f"Timed again, that saves {'; '.join(told)}."
 
 
 def _proof(study: EffectsStudy) -> str:
@@ -133,6 +159,13 @@ def _told(change: Change) -> str:
         return f"{change.quantity}: none"
     bars = f", {abs(change.in_bars):.2g} error bars" if change.in_bars is not None else ""
     return f"{change.quantity} {100.0 * change.relative:+.3g} %{bars}"
+
+
+def _with_error(change: Change) -> str:
+    if change.relative is None:
+        return change.why
+    error = f" +- {100.0 * change.error:.2g}" if change.error else ""
+    return f"{100.0 * change.relative:+.3g}{error} %"
 
 
 def _size(change: Change) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 from harness.arguments import as_count, as_folder, as_seconds
@@ -22,18 +23,21 @@ def add(verbs) -> None:
 def _frontier(options) -> int:
     from datetime import UTC, datetime
 
+    from harness.places import check_file
     from harness.report.frontier import NAMES, frontier_answer, write_frontier, write_scene_table
     from harness.report.frontier_tables import summary
+    from harness.report.frontier_expected import announcement
     from harness.runs.progress import progress_for
     from harness.studies.frontier import frontiers
 
     NAMES.check(options.out)
-    done = frontiers(
-        options.out, full=options.full, engines=options.engines, time_limit=options.time_limit,
-        workers=options.workers, progress=progress_for,
-    )
+    if options.table is not None:
+        check_file("--table", options.table)
+    asked = {"full": options.full, "engines": options.engines, "workers": options.workers}
+    print(announcement(**asked), file=sys.stderr, flush=True)
+    done = frontiers(options.out, **asked, time_limit=options.time_limit, progress=progress_for)
     page = write_frontier(done, options.out)
-    if options.table:
+    if options.table is not None:
         write_scene_table(done, options.table, day=f"{datetime.now(UTC):%Y-%m-%d}")
     show(frontier_answer(done), options)
     if options.json != "-":

@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,12 +11,15 @@ import pytest
 from harness.cli import main
 from harness.errors import InputError
 from harness.report.effects import NAMES, effects_answer, write_effects
+from harness.report.effects_tables import BETWEEN, saved, tables, traces_in_short, visible_trials
 from harness.report.effects_words import paragraph
+from harness.report.tables import csv_text
 from harness.scene.load import load_scene
 from harness.studies.effects import effects_study, timing
 from harness.studies.effects import study as module
 from harness.studies.effects.cost import StepCost
 from harness.studies.effects.probes import Probed, ZeroCheck
+from harness.studies.effects.study import REDUCED
 from harness.studies.effects.variants import BASE
 
 FILE = Path(__file__).resolve().parents[2] / "inputs" / "scenes" / "oblique_impact.toml"
@@ -82,7 +86,52 @@ def test_words_name_what_matters_and_what_was_verified(study):
     assert "cannot do without: sliding friction" in words
     assert "leaves out normal damping; a run of the reduced scene shows it" in words
     assert "0 differ" in words
-    assert "That saves 10 % of a run on kernel:talk" in words
+    assert "Timed again, that saves 10 % of a run on kernel:talk" in words
+
+
+def test_words_say_what_else_changes_and_shown_only_what_is(study):
+    """Without the dashpot the spin changes by more than the tolerance of another choice of quantity."""
+    def as_other(c, verdict):
+        return replace(c, quantity="stress_strain", verdict=verdict, relative=0.142, error=0.005)
+
+    (trial,) = study.smallest.trials
+    other = as_other(trial.changes[0], "differs")
+    changed = replace(
+        study, changes=(*study.changes, as_other(study.chosen[0], "differs")),
+        smallest=replace(study.smallest, trials=(replace(trial, others=(other,)),)),
+    )
+    words = paragraph(changed)
+    assert "Without normal damping other quantities differ by more than 30 %: stress_strain +14.2 +- 0.5 %" in words
+    assert "What else changes: other quantities differ by more than 30 %: stress_strain +14.2 +- 0.5 %" in words
+    assert [r["quantity"] for r in visible_trials(changed)] == ["exit", "stress_strain"]
+
+    unsure = replace(
+        study, changes=tuple(replace(c, verdict="inconclusive", relative=-0.562, error=0.097, needed=3)
+                             for c in study.changes if c.variant == "without sliding friction"),
+    )
+    words = paragraph(unsure)
+    assert "No effect that can be switched off is shown to change a chosen quantity" in words
+    assert "exit without sliding friction (-56.2 +- 9.7 %; about 3 packings would tell)" in words
+
+
+def test_times_that_scatter_save_nothing(study):
+    hidden = StepCost(seconds=(1e-5,) * 3, ratios=(0.93, 0.961, 1.01))
+    found = replace(study, costs=study.costs | {("kernel:talk", REDUCED): hidden})
+    assert saved(found) == {"kernel:talk": 0.0}
+    assert "nothing that stands out of the scatter on kernel:talk" in paragraph(found)
+
+
+def test_tables_hold_every_line_and_the_page_the_first_ones(study):
+    lines = tuple(f"fix {k} all " + 40 * "word " for k in range(9))
+    long = replace(study, footprints=tuple(replace(f, added=lines, left=lines) for f in study.footprints))
+    row = tables(long)["traces"][0]
+    assert row["left while off"].split(BETWEEN) == list(lines)
+    assert row["these lines"].split(BETWEEN) == list(lines)
+    assert "..." not in csv_text(tables(long)["traces"])
+    short = traces_in_short(long)[0]
+    assert short.keys() == row.keys()
+    assert short["left while off"].endswith("and 7 more")
+    assert max(map(len, short["left while off"].split(BETWEEN))) <= 60
 
 
 def test_the_answer_has_no_number_that_is_not_one(study):
@@ -95,10 +144,13 @@ def test_a_folder_in_the_way_is_refused_before_anything_is_run(tmp_path):
         NAMES.check(tmp_path)
 
 
-@pytest.mark.parametrize("words", [["--tolerance", "0"], ["--quantity", "nothing"], ["--effect", "nothing"]])
+@pytest.mark.parametrize("words", [
+    ["--tolerance", "0"], ["--quantity", "nothing"], ["--effect", "nothing"], ["--effects", "nothing"],
+    ["--effects=nothing"], ["--by", "nothing"], ["--engines", "nothing"], ["--engine", "nothing"],
+])
 def test_the_command_line_refuses_in_one_line(words, tmp_path, capsys):
     assert main(["effects", str(FILE), "--out", str(tmp_path / "o"), *words]) == 2
     said = capsys.readouterr().err
     assert said.count("\n") == 1
-    assert words[0] in said
+    assert f"{words[0].partition('=')[0]}: " in said
     assert not (tmp_path / "o").exists()

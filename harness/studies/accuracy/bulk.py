@@ -13,22 +13,24 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from harness.engines.registry import ENGINES, KERNEL_PREFIX, choose_engines
 from harness.errors import InputError
 from harness.runs.folder import runs_root
-from harness.runs.outcome import Host, Outcome, host_facts
+from harness.runs.outcome import Host, host_facts
 from harness.runs.pool import Done, run_many
 from harness.scene.judged import MOST_PACKINGS
 from harness.scene.model import Biaxial, Couette
 from harness.studies.accuracy.asked import Asked
 from harness.studies.accuracy.bulk_plan import OWN, Packed, Setting, plan
 from harness.studies.accuracy.bulk_quantities import BULK, bulk_values
-from harness.studies.accuracy.bulk_result import Floor, Ladder, Rung, floor_of, scale_of
+from harness.studies.accuracy.bulk_result import Floor, Ladder, floor_of, scale_of
+from harness.studies.accuracy.bulk_rungs import OWN_WIDTH, Key, Measured, rungs_of
 from harness.studies.accuracy.limit import find_limit, find_order
+from harness.studies.accuracy.shaken import shaking_of
 from harness.studies.accuracy.shown import Grouped
 from harness.studies.prepare import draws_packings
 
@@ -49,7 +51,7 @@ class BulkAccuracy:
 
     asked: by knob. floors: by engine and quantity. wall_seconds: of the whole study this time. own_seconds: CPU time of
     everything but engines and packings; packing_seconds, engine_seconds: CPU time of those, of this time; kept: how
-    many runs were there already, of `runs`. load: largest number of runnable processes at the start of a run.
+    many runs were there already, of `runs`. load: largest load average of the machine at the start of a run.
     """
 
     scene: Biaxial | Couette
@@ -150,13 +152,6 @@ def packing_count(scene: Biaxial | Couette, packings: int | None) -> int:
 # --- runs --------------------------------------------------------------------------------------------
 
 
-class Key(NamedTuple):
-    """A run: by engine and system."""
-
-    engine: str
-    system: str
-
-
 def _run(
     planned: Packed, engines: Sequence[Engine], out: Path, *, progress: Callable[[], Progress] | None, **options
 ) -> dict[Key, Done]:
@@ -175,15 +170,8 @@ def _run(
     return dict(zip(jobs, done, strict=True))
 
 
-Values = Mapping[float, Mapping[str, np.ndarray]]
-"""By averaging width (its key), by quantity."""
-
-OWN_WIDTH = 0.0
-"""Key of the scene's own averaging width."""
-
-
-def _measure(planned: Packed, done: Mapping[Key, Done]) -> dict[Key, Values]:
-    """Read every completed run once and return its quantities in all widths."""
+def _measure(planned: Packed, done: Mapping[Key, Done]) -> dict[Key, Measured]:
+    """Read every completed run once and return its quantities in all widths, and how it is shaken."""
     from postproc.trajectory import read_trajectory
 
     widths = {OWN_WIDTH: None} | {s.width: s.width for s in planned.settings if s.width is not None}
@@ -194,7 +182,10 @@ def _measure(planned: Packed, done: Mapping[Key, Done]) -> dict[Key, Values]:
         if d.outcome.status == "completed":
             scene, system = of[key.system]
             wanted = widths if key.system in wide else {OWN_WIDTH: None}
-            found[key] = bulk_values(scene, system, read_trajectory(d.folder / "trajectory.h5"), wanted)
+            trajectory = read_trajectory(d.folder / "trajectory.h5")
+            found[key] = Measured(
+                values=bulk_values(scene, system, trajectory, wanted), shaking=shaking_of(scene, system, trajectory)
+            )
     return found
 
 
@@ -203,9 +194,9 @@ def _measure(planned: Packed, done: Mapping[Key, Done]) -> dict[Key, Values]:
 
 def _ladder(
     scene: Biaxial | Couette, wanted: Asked, engine: Engine, settings: Sequence[Setting], done: Mapping[Key, Done],
-    measured: Mapping[Key, Values],
+    measured: Mapping[Key, Measured],
 ) -> Ladder:
-    rungs = tuple(_rung(s, engine.name, done, measured) for s in settings)
+    rungs = rungs_of(settings, engine.name, done, measured)
     good = [r for r in rungs if r.good]
     limits, orders, scales = {}, {}, {}
     for bulk in BULK[type(scene)]:
@@ -221,62 +212,6 @@ def _ladder(
         if scale is not None:
             scales[bulk.name] = scale
     return Ladder(knob=wanted.knob, engine=engine.name, rungs=rungs, limits=limits, orders=orders, scales=scales)
-
-
-def _rung(setting: Setting, engine: str, done: Mapping[Key, Done], measured: Mapping[Key, Values]) -> Rung:
-    facts = {
-        "knob": setting.knob, "value": setting.value, "x": setting.x, "label": setting.label, "own": setting.own,
-    }
-    if not setting.systems:
-        return Rung(**facts, status="refused", reason=setting.reason, particles=0, dt=np.nan, steps=0, values={},
-                    seconds=None)
-    keys = [Key(engine, s.digest()) for s in setting.systems]
-    first = setting.systems[0]
-    facts |= {"particles": len(first.particles), "dt": first.dt, "steps": first.steps}
-    outcomes = [done[k].outcome for k in keys]
-    failed = [o for o in outcomes if o.status != "completed"]
-    if failed:
-        of = f"{len(failed)} of {len(outcomes)} packings: " if len(failed) < len(outcomes) else ""
-        return Rung(**facts, status=failed[0].status, reason=of + failed[0].reason, values={}, seconds=None)
-    width = OWN_WIDTH if setting.width is None else setting.width
-    parts = [cpu_parts(o) for o in outcomes]
-    return Rung(
-        **facts, status="completed", reason="", values=_together([measured[k][width] for k in keys]),
-        each=tuple(p["run"] for p in parts), seconds=_median(parts, "run"), setup=_median(parts, "setup"),
-        output=_median(parts, "output"),
-    )
-
-
-def cpu_parts(outcome: Outcome) -> dict[str, float]:
-    """Return CPU seconds of the engine's process by phase: "run", and "setup", "output" where the engine tells them.
-
-    Engines tell phases by a clock of their own: of the processor (they fit into the CPU time), or of the wall, which
-    on a busy machine shows more; then CPU time is shared out as they are. Where the phases together exceed the elapsed
-    time the output is a part of the run, and is taken off it.
-    """
-    told = {n: outcome.timings[n] for n in ("setup", "run", "output") if n in outcome.timings}
-    whole, cpu, wall = sum(told.values()), outcome.cpu_seconds, outcome.wall_seconds
-    if whole <= cpu:
-        return told
-    if whole > wall:
-        told["run"] -= told.get("output", 0.0)
-        whole = sum(told.values())
-    return {name: cpu * seconds / whole for name, seconds in told.items()}
-
-
-def _median(parts: Sequence[Mapping[str, float]], name: str) -> float | None:
-    told = [p[name] for p in parts if name in p]
-    return float(np.median(told)) if told else None
-
-
-def _together(found: Sequence[Mapping[str, np.ndarray]]) -> dict[str, np.ndarray]:
-    """Return (K, S) by quantity; packings without one have NaN, quantities without two packings are left out."""
-    names = list(dict.fromkeys(n for of in found for n in of))
-    made = {}
-    for name in names:
-        size = next(len(of[name]) for of in found if name in of)
-        made[name] = np.array([of.get(name, np.full(size, np.nan)) for of in found])
-    return {n: v for n, v in made.items() if np.isfinite(v).all(axis=1).sum() >= 2}
 
 
 def _floors(scene: Biaxial | Couette, ladders: Sequence[Ladder]) -> dict[tuple[str, str], Floor]:

@@ -7,17 +7,19 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from harness.errors import InputError
 from harness.runs.outcome import usable_cores
 from harness.scene.derived import derive
+from harness.scene.grains import grains_of
 from harness.scene.model import Biaxial, Scene
 from harness.scene.system import System
 from harness.studies.accuracy.asked import Asked
 from harness.studies.accuracy.simpler import DECLARED, simpler_laws
-from harness.studies.accuracy.turn import replaced, stepped_system, turned
+from harness.studies.accuracy.turn import largest_fraction, replaced, stepped_system, turned
 from harness.studies.prepare import prepare
 
 if TYPE_CHECKING:
@@ -25,13 +27,16 @@ if TYPE_CHECKING:
 
 OWN = "as declared"
 
+STEPS = ("dt", "scheme")
+"""Knobs whose values are steps."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Setting:
     """One rung of one knob. value: of the knob, of laws their number. label: the value in words.
 
     scene: with the knob turned. own: whether it is the scene as declared. width: of the averages, None for the scene's
-    own. systems: one a packing, empty with a reason why there are none.
+    own. systems: one a packing, empty with a reason why there are none. beyond: see `Rung`.
     """
 
     knob: str
@@ -43,6 +48,7 @@ class Setting:
     width: float | None = None
     systems: tuple[System, ...] = field(default=(), repr=False)
     reason: str = ""
+    beyond: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -85,12 +91,13 @@ def _settings(scene: Scene, one: Asked) -> Iterator[Setting]:
     if knob.words:
         yield from _laws(scene, knob.name)
         return
-    own = knob.own(scene)
+    own, steps = knob.own(scene), knob.name in STEPS
+    largest = largest_fraction(scene, grains_of(scene)) if steps else inf
     for value in one.values:
         yield Setting(
             knob=knob.name, value=value, x=knob.x(value), label=f"{value:.4g}", own=value == own,
             scene=scene if value == own else turned(scene, knob.name, value),
-            width=value if knob.name == "width" else None,
+            width=value if knob.name == "width" else None, beyond=largest if value > largest else None,
         )
 
 
@@ -106,7 +113,7 @@ def _laws(scene: Scene, knob: str) -> Iterator[Setting]:
 def _filled(setting: Setting, own: tuple[System, ...], file: Path, packings: int, cache: Path) -> Setting:
     if setting.own or setting.knob == "width":
         return replace_systems(setting, own)
-    if setting.knob in ("dt", "scheme"):
+    if setting.knob in STEPS:
         return replace_systems(setting, tuple(stepped_system(setting.scene, s, setting.value) for s in own))
     try:
         return replace_systems(setting, _systems(setting.scene, file, packings, cache))

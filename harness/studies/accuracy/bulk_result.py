@@ -21,6 +21,7 @@ class Rung:
     status: "completed" if every packing did, else what became of the first that did not, and reason why. x: what tends
     to 0. dt (s) and steps are the first packing's. values: (K, S) by quantity, NaN where a packing has none; empty
     unless completed. seconds: median CPU time of a whole test, None if not timed; each: (K,); set-up and output apart.
+    beyond: the largest dt_fraction that the scene takes, if this one is larger; such a rung is shown and not advised.
     """
 
     knob: str
@@ -38,11 +39,17 @@ class Rung:
     each: tuple[float, ...] = ()
     setup: float | None = None
     output: float | None = None
+    beyond: float | None = None
 
     @property
     def good(self) -> bool:
         """Whether it passed its checks."""
         return self.status == "completed"
+
+    @property
+    def offered(self) -> bool:
+        """Whether it has a time, and a scene with this setting can be run."""
+        return self.seconds is not None and self.beyond is None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -206,15 +213,15 @@ class Offer:
 def cheapest(ladder: Ladder, quantity: str, target: float, floor: Floor | None) -> Offer:
     """Return the first rung from which on all errors, one standard error added, stay below the target.
 
-    Of a knob of words, where nothing is finer than anything, the fastest one.
+    Of a knob of words, where nothing is finer than anything, the fastest one. No rung that scenes refuse.
     """
-    known, found = ladder.known(quantity), None
+    known, found = [(r, e) for r, e in ladder.known(quantity) if r.beyond is None], None
     if ladder.knob.words:
-        near = [(r, e) for r, e in known if e.most <= target and r.seconds is not None]
+        near = [(r, e) for r, e in known if e.most <= target and r.offered]
         found = min(near, key=lambda re: re[0].seconds, default=None)
         known = [] if found else known
     for rung, error in reversed(known):
-        if error.most > target or rung.seconds is None:
+        if error.most > target or not rung.offered:
             break
         found = (rung, error)
     if found is None:
@@ -230,7 +237,10 @@ def _why(known: Sequence[tuple[Rung, Error]], target: float, floor: Floor | None
         return f"the finest rungs are off by {100 * best.size:.2g} %"
     packings = int(np.ceil(best.packings * (best.bar / target) ** 2))
     floored = f", the floor is {100 * floor.mean:.2g} %" if floor is not None else ""
-    return f"not to be told: errors are known to {100 * best.bar:.2g} %{floored}; about {packings} packings would tell"
+    return (
+        f"not to be told: errors of this knob are known to {100 * best.bar:.2g} %{floored}; about {packings} packings "
+        "would tell them"
+    )
 
 
 def front(ladders: Sequence[Ladder], quantity: str) -> list[tuple[Ladder, Rung, Error]]:
@@ -244,7 +254,7 @@ def front(ladders: Sequence[Ladder], quantity: str) -> list[tuple[Ladder, Rung, 
         others = [o for o in ladders if o.engine == ladder.engine and o is not ladder and not o.knob.words]
         for rung in ladder.rungs:
             error = ladder.whole_error(rung, quantity, others)
-            if error is not None and rung.seconds is not None:
+            if error is not None and rung.offered:
                 points.append((ladder, rung, error))
     kept: list[tuple[Ladder, Rung, Error]] = []
     for point in sorted(points, key=lambda p: (p[1].seconds, p[2].most)):

@@ -19,8 +19,8 @@ import numpy as np
 
 from harness.engines.benches import timed_as
 from harness.engines.session import Lost, Session
-from harness.runs.atomic import write_json_atomic
 from harness.runs.outcome import host_facts
+from harness.studies.accuracy.sealed import read_sealed, write_sealed
 
 if TYPE_CHECKING:
     from harness.engines.timed import Timed
@@ -57,8 +57,9 @@ def measure_costs(
     systems, versions: by the engine's name; an engine that failed is left out by the caller.
     """
     files = {name: kept / f"{_digest(name, versions[name], system)}.json" for name, system in systems.items()}
-    if all(file.exists() for file in files.values()):
-        return {name: _read(file) for name, file in files.items()}
+    found = {name: _read(file) for name, file in files.items()}
+    if all(cost is not None for cost in found.values()):
+        return found
     takers = {name: timed_as(name) for name in systems}
     refused = {name: _refusal(timed, systems[name]) for name, timed in takers.items()}
     runs: dict[str, list[tuple[float, float]]] = {name: [] for name in systems}
@@ -71,9 +72,8 @@ def measure_costs(
                 except Lost as why:
                     refused[name] = f"lost while timed: {why}"
     costs = {name: _cost(runs[name], systems[name], refused[name]) for name in systems}
-    kept.mkdir(parents=True, exist_ok=True)
     for name, cost in costs.items():
-        write_json_atomic(files[name], asdict(cost))
+        write_sealed(files[name], asdict(cost))
     return costs
 
 
@@ -115,6 +115,6 @@ def _digest(name: str, version: str, system: System) -> str:
     return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()[:16]
 
 
-def _read(file: Path) -> Cost:
-    data = json.loads(file.read_text())
-    return Cost(**{k: tuple(v) if isinstance(v, list) else v for k, v in data.items()})
+def _read(file: Path) -> Cost | None:
+    data = read_sealed(file, "all engines take turns again, and the times are")
+    return None if data is None else Cost(**{k: tuple(v) if isinstance(v, list) else v for k, v in data.items()})

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from harness.engines.registry import KERNEL_PREFIX, find_engine
-from harness.runs.atomic import write_json_atomic
 from harness.studies.accuracy.exits import Exits
 from harness.studies.accuracy.oracle import Oracle, oracle
+from harness.studies.accuracy.sealed import read_sealed, write_sealed
 
 if TYPE_CHECKING:
     from harness.scene.system import System
@@ -34,16 +34,14 @@ def kept_oracle(
     found = _read(place)
     if found is None:
         found = oracle(system, convention, file=file, contact_time=contact_time, finest=finest)
-        kept.mkdir(parents=True, exist_ok=True)
-        write_json_atomic(place, asdict(found))
+        write_sealed(place, asdict(found))
     return found
 
 
 def _read(place: Path) -> Oracle | None:
-    """Return what is kept; None if it is missing or damaged, then it is computed anew."""
-    try:
-        data = json.loads(place.read_text())
-        exits = Exits(**{name: np.array(values) for name, values in data.pop("exits").items()})
-        return Oracle(exits=exits, **data)
-    except (FileNotFoundError, ValueError, KeyError, TypeError, AttributeError):
+    """Return what is kept; None if it is missing or not what was written, then it is computed anew."""
+    data = read_sealed(place, "the oracle is")
+    if data is None:
         return None
+    exits = Exits(**{name: np.array(values) for name, values in data.pop("exits").items()})
+    return Oracle(exits=exits, **data)

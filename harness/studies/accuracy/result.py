@@ -13,11 +13,14 @@ from harness.studies.accuracy.fit import Fit, rms, step_for
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Point:
-    """One rung of one engine. value: of the knob. status: that of the run, else "unstable" or "unfinished".
+    """One rung of one engine. status: that of the run, else "unstable" or "unfinished".
 
-    errors: (K,) by quantity, over phases; empty unless completed. seconds: CPU time of all steps, None if not timed.
+    rung: dt_fraction as asked for. value: that of the step that ran, which is shorter where so many whole steps make
+    the duration. errors: (K,) by quantity, over phases; empty unless completed. seconds: CPU time of all steps, None if
+    not timed. beyond: the largest dt_fraction that the scene takes, if the step that ran is longer.
     """
 
+    rung: float
     value: float
     dt: float
     steps: int
@@ -26,11 +29,17 @@ class Point:
     errors: Mapping[str, np.ndarray]
     seconds: float | None
     process_seconds: float | None
+    beyond: float | None = None
 
     @property
     def good(self) -> bool:
         """Whether there is an error to be drawn."""
         return self.status == "completed"
+
+    @property
+    def offered(self) -> bool:
+        """Whether it has a time, and a scene with this step can be run."""
+        return self.seconds is not None and self.beyond is None
 
     def size(self, quantity: str) -> float:
         """Return the root mean square over phases."""
@@ -86,11 +95,11 @@ TARGETS = (0.1, 0.01, 0.001)
 
 
 def cheapest(track: Track, quantity: str, target: float) -> Point | None:
-    """Return the first rung from which on all are below the target, and have a time; None if there is none."""
+    """Return the first rung from which on all are below the target, have a time, and can be run as a scene, or None."""
     known = track.known(quantity)
     found = None
     for point in reversed(known):
-        if point.size(quantity) > target or point.seconds is None:
+        if point.size(quantity) > target or not point.offered:
             break
         found = point
     return found
@@ -105,7 +114,7 @@ def best(tracks: list[Track], quantity: str, target: float) -> Choice:
 
 def front(tracks: list[Track], quantity: str) -> list[tuple[Track, Point]]:
     """Return the points than which no other is both faster and better, fastest first."""
-    points = [(t, p) for t in tracks for p in t.known(quantity) if p.seconds is not None]
+    points = [(t, p) for t in tracks for p in t.known(quantity) if p.offered]
     kept: list[tuple[Track, Point]] = []
     for track, point in sorted(points, key=lambda tp: (tp[1].seconds, tp[1].size(quantity))):
         if not kept or point.size(quantity) < kept[-1][1].size(quantity):

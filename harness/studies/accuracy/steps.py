@@ -30,6 +30,7 @@ from harness.studies.accuracy.oracle import Oracle, convention_of
 from harness.studies.accuracy.phases import Phased, delays, stepped, with_phases
 from harness.studies.accuracy.result import Point, Track
 from harness.studies.accuracy.shown import Grouped
+from harness.studies.accuracy.turn import largest_fraction
 
 if TYPE_CHECKING:
     from harness.engines.protocol import Engine
@@ -51,12 +52,17 @@ TIME_LIMIT = 600.0
 
 @dataclass(frozen=True, kw_only=True)
 class Ladder:
-    """One case on all rungs. plain: the system without copies. dt: by rung, s. phased: by rung."""
+    """One case on all rungs. plain: the system without copies. values: dt_fraction as asked for. phased: by rung.
+
+    contact_time: which steps are parts of, s. largest: dt_fraction beyond which the case's scene is refused.
+    """
 
     case: Case
     plain: System
     values: tuple[float, ...]
     phased: tuple[Phased, ...]
+    contact_time: float
+    largest: float
 
 
 class Ladders(NamedTuple):
@@ -72,7 +78,8 @@ def ladders(scene: Free, file: Path, values: Sequence[float], phases: int) -> La
     Raises InputError for scenes without free flight.
     """
     declared = resolve(scene, file)
-    contact_time = head_on(scene.contact.normal, grains_of(scene, declared.particles).pairs[0]).time_scale
+    grains = grains_of(scene, declared.particles)
+    contact_time = head_on(scene.contact.normal, grains.pairs[0]).time_scale
     delay = delays(phases, max(values) * contact_time)
     duration = scene.duration + max(values) * contact_time
     made = []
@@ -81,7 +88,10 @@ def ladders(scene: Free, file: Path, values: Sequence[float], phases: int) -> La
         rungs = tuple(values) if case.declared else _short(values)
         systems = (stepped(plain, f * contact_time, duration) for f in rungs)
         phased = tuple(with_phases(system, delay, file) for system in systems)
-        made.append(Ladder(case=case, plain=plain, values=rungs, phased=phased))
+        made.append(Ladder(
+            case=case, plain=plain, values=rungs, phased=phased, contact_time=contact_time,
+            largest=largest_fraction(case.scene, grains),
+        ))
     return Ladders(tuple(made), contact_time)
 
 
@@ -234,15 +244,17 @@ def _point(ladder: Ladder, rung: int, done: Done, cost: Cost, exact: Oracle, *, 
     if status == "completed":
         found = errors(exits_of(last, phased), exact.exits, ladder.plain, turns=turns)
     seconds = cost.step * phased.system.steps if status == "completed" and cost.step is not None else None
+    ran = phased.system.dt / ladder.contact_time
     return Point(
-        value=ladder.values[rung], dt=phased.system.dt, steps=phased.system.steps, status=status, reason=reason,
-        errors=found, seconds=seconds, process_seconds=o.cpu_seconds,
+        rung=ladder.values[rung], value=ran, dt=phased.system.dt, steps=phased.system.steps, status=status,
+        reason=reason, errors=found, seconds=seconds, process_seconds=o.cpu_seconds,
+        beyond=ladder.largest if ran > ladder.largest else None,
     )
 
 
 def _fit(points: Sequence[Point], quantity: str, oracle: float):
     """Fit over the rungs on which a contact is resolved."""
-    good = [p for p in points if p.good and p.value <= RESOLVED * (1.0 + 1e-9)]
+    good = [p for p in points if p.good and p.rung <= RESOLVED * (1.0 + 1e-9)]
     if not good:
         return None
     return fit_order([p.dt for p in good], np.array([p.errors[quantity] for p in good]), oracle=oracle)

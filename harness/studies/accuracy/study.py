@@ -78,8 +78,9 @@ def accuracy(
     Raises InputError for a wrong scene, knob, ladder or quantity before anything is written.
     """
     scene = load_scene(scene_file)
-    wanted = asked_all(scene, scene_file, knob=knob, ladder=ladder, quantity=quantity)
-    _require_one_of(scene, phases=phases, packings=packings)
+    wanted = checked(
+        scene, scene_file, knob=knob, ladder=ladder, quantity=quantity, phases=phases, packings=packings
+    )
     options = {"engines": engines, "time_limit": time_limit, "workers": workers, "progress": progress}
     if isinstance(scene, Free):
         return free_accuracy(scene, scene_file, wanted[0], out, phases=phases, **options)
@@ -95,7 +96,6 @@ def free_accuracy(
     chosen = chosen_engines(engines, wanted)
     count = phase_count(phases)
     rungs = ladders(scene, scene_file, wanted.values, count)
-    _require_quantity(scene, wanted)
     tracks = climb(
         rungs, chosen, scene_file, out, time_limit=time_limit, workers=workers, progress=progress
     )
@@ -104,6 +104,18 @@ def free_accuracy(
         contact_time=rungs.contact_time, tracks=tuple(tracks), host=host_facts(), wall_seconds=time.monotonic() - begun,
         own_seconds=time.process_time() - own,
     )
+
+
+def checked(
+    scene: Free | Biaxial | Couette, file: Path, *, knob: str | None, ladder: Sequence[float] | None,
+    quantity: str | None, phases: int | None, packings: int | None,
+) -> tuple[Asked, ...]:
+    """Return what is to be done; raises InputError for what this scene does not have."""
+    wanted = asked_all(scene, file, knob=knob, ladder=ladder, quantity=quantity)
+    _require_one_of(scene, phases=phases, packings=packings)
+    if isinstance(scene, Free):
+        _require_quantity(scene, wanted[0])
+    return wanted
 
 
 def _require_one_of(scene: Free | Biaxial | Couette, *, phases: int | None, packings: int | None) -> None:

@@ -20,8 +20,9 @@ import msgspec
 
 from harness.scene.contact import Contact, DmtNormal, HertzNormal, JkrNormal, NormalLaw
 from harness.scene.derived import derive
+from harness.scene.grains import Grains
 from harness.scene.model import Biaxial, Couette, Scene
-from harness.scene.numerics import plan_steps
+from harness.scene.numerics import plan_steps, requested_step, stability_limit
 from harness.scene.system import System
 from harness.scene.tables import Table
 
@@ -82,6 +83,11 @@ def faster(scene: Scene, factor: float) -> Scene:
         rings = replaced(scene.rings, omega=scene.rings.omega * factor)
         return replaced(scene, rings=rings, duration=scene.duration / factor, compare=compare)
     raise TypeError(f"nothing drives a scene of kind {type(scene).__name__}")
+
+
+def largest_fraction(scene: Scene, grains: Grains) -> float:
+    """Return the largest dt_fraction that `grainproof scene` takes, see `stability_limit`; rungs beyond are marked."""
+    return scene.numerics.dt_fraction * stability_limit(scene, grains).dt / requested_step(scene, grains)
 
 
 def stepped_system(scene: Scene, system: System, fraction: float) -> System:

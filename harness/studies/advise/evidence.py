@@ -7,21 +7,28 @@ often as one likes. What the files do not say is not there; nothing is filled in
 from __future__ import annotations
 
 import dataclasses
-import json
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Literal
 
-import msgspec
-
 from harness.errors import InputError
 from harness.scene.describe import nearest
 from harness.scene.model import Free, Scene
 from harness.studies.accuracy.asked import KNOBS, WITHOUT
-
-ACCURACY, EFFECTS = "accuracy.json", "effects.json"
-BULK_SCHEMA = "grainproof accuracy of bulk quantities, 1"
+from harness.studies.advise.files import (
+    ACCURACY,
+    EFFECTS,
+    BulkFile,
+    FreeErrors,
+    FreeFile,
+    FreePoint,
+    LimitRow,
+    MeasuredRow,
+    damaged,
+    read_accuracy,
+    read_effects,
+)
 
 DECIDED = ("dt", "stiffness", "rate", "size")
 """Knobs that advice turns, in order; of those a scene has."""
@@ -61,7 +68,8 @@ class Rung:
 class KnobLadder:
     """All good rungs of one knob on one engine, coarsest first. failed: why other rungs have no error.
 
-    order: used for the limit. state: of the limit, see `harness.studies.accuracy.limit`.
+    order: used for the limit. state: of the limit, see `harness.studies.accuracy.limit`. beyond: values, of rungs with
+    and without an error, that are beyond the scene's stability limit `largest`, so that `scene` refuses them.
     """
 
     knob: str
@@ -70,6 +78,8 @@ class KnobLadder:
     order: float
     state: str
     failed: tuple[str, ...] = ()
+    beyond: tuple[float, ...] = ()
+    largest: float | None = None
 
     @property
     def own(self) -> Rung | None:
@@ -97,7 +107,7 @@ class Evidence:
     """Everything that advice rests on.
 
     ladders: by engine, then knob. spread: scatter of one packing at the scene's own setting, over the scale, by engine.
-    packings: of the study (phases, of free scenes). absent: knobs that were not measured, with the reason. reduced:
+    engines: those that were asked for, None for all of the study. packings: of the study (phases, of free scenes). absent: knobs that were not measured, with the reason. reduced:
     None where effects were not measured or none may go; effects_say: what is known of them.
     """
 
@@ -109,6 +119,7 @@ class Evidence:
     ladders: Mapping[str, Mapping[str, KnobLadder]]
     spread: Mapping[str, float | None]
     source: str
+    engines: tuple[str, ...] | None = None
     absent: Mapping[str, str] = dataclasses.field(default_factory=dict)
     reduced: Reduced | None = None
     effects_say: str = "not measured: all stay as declared"
@@ -120,33 +131,37 @@ class Evidence:
 
 
 def read_evidence(
-    scene: Scene, file: Path, *, quantity: str | None, folder: Path, effects: Path | None, tolerance: float
+    scene: Scene, file: Path, *, quantity: str | None, folder: Path, effects: Path | None, tolerance: float,
+    engines: Sequence[str] | None = None,
 ) -> Evidence:
     """Return what the studies in `folder` and `effects` say of a quantity, the studies' own unless named.
 
-    Raises InputError for a folder without a finished study, one of another scene, or without the quantity.
+    Raises InputError for a folder without a finished study, one of another scene, or without the quantity, or an engine.
     """
-    data = _read(folder / ACCURACY, "a finished grainproof accuracy", "--from")
-    _require_same_scene(scene, data, folder / ACCURACY, "--from")
-    wanted = _quantity(data, quantity, folder / ACCURACY)
-    found = _free(scene, file, data, wanted) if isinstance(scene, Free) else _bulk(scene, file, data, wanted)
-    found = _with(found, source=str(folder))
+    place = folder / ACCURACY
+    data = read_accuracy(folder, free=isinstance(scene, Free))
+    _require_same_scene(scene, data.scene, place, "--from")
+    wanted = _quantity(data, quantity, place)
+    found = _free(scene, file, data, wanted, place) if isinstance(data, FreeFile) else _bulk(scene, file, data, wanted)
+    found = _with(_of_engines(found, _engines(data), engines, place), source=str(folder))
     return found if effects is None else with_effects(found, effects, tolerance=tolerance)
 
 
 def with_effects(evidence: Evidence, folder: Path, *, tolerance: float) -> Evidence:
     """Add what a finished effects study says; raises InputError if there is none, or it is of another scene."""
     place = folder / EFFECTS
-    data = _read(place, "a finished grainproof effects", "--effects-from")
-    _require_same_scene(evidence.scene, data, place, "--effects-from")
-    if evidence.quantity not in data["quantities"]:
+    data = read_effects(folder)
+    _require_same_scene(evidence.scene, data.scene, place, "--effects-from")
+    if evidence.quantity not in data.quantities:
         return _with(evidence, effects_say=f"that study did not look at {evidence.quantity}: all stay as declared")
-    if not data["left_out"]:
-        return _with(evidence, effects_say=f"none may go within {100 * data['tolerance']:g} % ({folder})")
-    last = max(row["trial"] for row in data["tables"]["trials"])
-    row = next(r for r in data["tables"]["trials"] if r["trial"] == last and r["quantity"] == evidence.quantity)
-    names, share = tuple(data["left_out"]), {engine: 1.0 - s for engine, s in data["saved"].items()}
-    error, bar = row["change (%)"] / 100.0, (row["standard error (%)"] or 0.0) / 100.0
+    if not data.left_out:
+        return _with(evidence, effects_say=f"none may go within {100 * data.tolerance:g} % ({folder})")
+    trials = [t for t in data.tables.trials if t.quantity == evidence.quantity]
+    last = max(trials, key=lambda t: t.trial, default=None)
+    if last is None or last.change is None:
+        raise damaged(place, f"without a trial of {evidence.quantity} although effects are left out")
+    names, share = tuple(data.left_out), {e: 1.0 - s for e, s in data.saved.items() if s is not None}
+    error, bar = last.change / 100.0, (last.error or 0.0) / 100.0
     beyond = "" if abs(error) + bar <= tolerance else ", too much for this tolerance"
     return _with(
         evidence, reduced=Reduced(names=names, error=error, bar=bar, share=share),
@@ -154,97 +169,135 @@ def with_effects(evidence: Evidence, folder: Path, *, tolerance: float) -> Evide
     )
 
 
+def _engines(data: BulkFile | FreeFile) -> list[str]:
+    if isinstance(data, FreeFile):
+        return list(dict.fromkeys(p.engine for p in data.tables.points))
+    return data.engines
+
+
+def _of_engines(evidence: Evidence, known: Sequence[str], wanted: Sequence[str] | None, place: Path) -> Evidence:
+    """Keep the ladders of the engines that are asked for."""
+    if not wanted:
+        return evidence
+    lacking = next((e for e in wanted if e not in known), None)
+    if lacking is not None:
+        raise InputError(
+            file="--engines", expected=f"some of {', '.join(known)}, which {place} has", got=lacking,
+            fix=nearest(lacking, list(known)),
+        )
+    kept = {e: of for e, of in evidence.ladders.items() if e in wanted}
+    return _with(evidence, ladders=kept, engines=tuple(wanted))
+
+
 # --- boxes and rings ---------------------------------------------------------------------------------
 
 
-def _bulk(scene: Scene, file: Path, data: Mapping, quantity: str) -> Evidence:
-    rows = [r for r in data["rows"] if r["quantity"] == quantity and r["scale"]]
+def _bulk(scene: Scene, file: Path, data: BulkFile, quantity: str) -> Evidence:
+    rows = [r for r in data.rows if r.quantity == quantity and r.scale]
     ladders: dict[str, dict[str, KnobLadder]] = {}
-    for engine in data["engines"]:
-        for knob in (k for k in (*DECIDED, *TOLD) if k in data["knobs"]):
-            mine = [r for r in rows if (r["engine"], r["knob"]) == (engine, knob)]
+    for engine in data.engines:
+        for knob in (k for k in (*DECIDED, *TOLD) if k in data.knobs):
+            mine = [r for r in rows if (r.engine, r.knob) == (engine, knob)]
             ladder = _bulk_ladder(knob, mine)
             if ladder is not None:
                 ladders.setdefault(engine, {})[knob] = ladder
-    spread = {e: next((r["spread"] for r in rows if r["engine"] == e), None) for e in ladders}
-    unit = next((r["unit"] for r in rows), "")
+    spread = {e: next((r.spread for r in rows if r.engine == e), None) for e in ladders}
+    unit = next((r.unit for r in rows), "")
     return Evidence(
-        scene=scene, scene_file=file, quantity=quantity, unit=unit, packings=data["packings"], ladders=ladders,
-        spread=spread, source="", absent=_absent(scene, data["knobs"]),
+        scene=scene, scene_file=file, quantity=quantity, unit=unit, packings=data.packings, ladders=ladders,
+        spread=spread, source="", absent=_absent(scene, data.knobs),
     )
 
 
-def _bulk_ladder(knob: str, rows: Sequence[Mapping]) -> KnobLadder | None:
+def _bulk_ladder(knob: str, rows: Sequence[MeasuredRow | LimitRow]) -> KnobLadder | None:
     """Return the ladder, None where nothing of it has an error and a time."""
-    measured = [r for r in rows if r["kind"] == "measured"]
-    limit = next((r for r in rows if r["kind"] == "extrapolated"), None)
+    measured = [r for r in rows if isinstance(r, MeasuredRow)]
+    limit = next((r for r in rows if isinstance(r, LimitRow)), None)
     rungs = [_bulk_rung(r) for r in measured if _usable(r)]
     if not rungs or limit is None:
         return None
+    beyond = [r for r in measured if r.beyond_limit is not None]
     return KnobLadder(
-        knob=knob, says=rows[0]["knob_value"], rungs=tuple(sorted(rungs, key=lambda r: -r.x)),
-        order=limit["order_used"], state=limit["state"],
-        failed=tuple(f"{r['setting']}: {r['status']}" for r in measured if r["status"] != "completed"),
+        knob=knob, says=rows[0].knob_value, rungs=tuple(sorted(rungs, key=lambda r: -r.x)),
+        order=math.nan if limit.order_used is None else limit.order_used, state=limit.state,
+        failed=tuple(f"{r.setting}: {r.status}" for r in measured if r.status != "completed"),
+        beyond=tuple(sorted(r.value for r in beyond)), largest=next((r.beyond_limit for r in beyond), None),
     )
 
 
-def _usable(row: Mapping) -> bool:
-    return all(row.get(name) is not None for name in ("signed_error", "error_bar", "cpu_seconds"))
+def _usable(row: MeasuredRow) -> bool:
+    return row.signed_error is not None and row.error_bar is not None and row.cpu_seconds is not None
 
 
-def _bulk_rung(row: Mapping) -> Rung:
+def _bulk_rung(row: MeasuredRow) -> Rung:
     return Rung(
-        knob=row["knob"], value=row["value"], x=row["x"], declared=bool(row["declared"]), error=row["signed_error"],
-        bar=row["error_bar"], seconds=row["cpu_seconds"], spread=_spread(row),
+        knob=row.knob, value=row.value, x=row.x, declared=row.declared, error=row.signed_error, bar=row.error_bar,
+        seconds=row.cpu_seconds, spread=_spread(row),
     )
 
 
-def _spread(row: Mapping) -> float | None:
+def _spread(row: MeasuredRow) -> float | None:
     """Return the scatter over packings at a setting, over the scale; None of what is no number."""
-    each = [v for v in row.get("each") or () if isinstance(v, int | float)]
+    each = [v for v in row.each or () if isinstance(v, int | float)]
     if len(each) < 2:
         return None
     mean = sum(each) / len(each)
-    return math.sqrt(sum((v - mean) ** 2 for v in each) / (len(each) - 1)) / row["scale"]
+    return math.sqrt(sum((v - mean) ** 2 for v in each) / (len(each) - 1)) / row.scale
 
 
 # --- free scenes -------------------------------------------------------------------------------------
 
 
-def _free(scene: Free, file: Path, data: Mapping, quantity: str) -> Evidence:
+def _free(scene: Free, file: Path, data: FreeFile, quantity: str, place: Path) -> Evidence:
     """Errors are rms over phases of the step, against the limit of the engine's own laws; there is no scatter.
 
     Standard errors are that of the oracle and that of the rms, as so many phases tell it: s(e^2)/(2 rms sqrt(K)).
     """
-    points = [r for r in data["tables"]["points"] if r["case"] == data["tables"]["points"][0]["case"]]
-    orders = {(r["engine"], r["quantity"]): r["slope"] for r in data["tables"]["slopes"]
-              if r["case"] == points[0]["case"]}
-    bars = _free_bars(data, points[0]["case"], quantity)
-    ladders = {}
-    for engine in dict.fromkeys(r["engine"] for r in points):
-        mine = [r for r in points if r["engine"] == engine]
-        good = [r for r in mine if r.get(quantity) is not None and r["CPU (ms)"] is not None]
-        rungs = tuple(
-            _free_rung(r, quantity, bars[engine, r["dt_fraction"]], scene.numerics.dt_fraction) for r in good
+    tables, case = data.tables, data.tables.points[0].case
+    points = [p for p in tables.points if p.case == case]
+    orders = {(s.engine, s.quantity): s.slope for s in tables.slopes if s.case == case}
+    bars, ladders = _free_bars(data, case, quantity), {}
+    for engine in dict.fromkeys(p.engine for p in points):
+        ladder = _free_ladder(
+            scene, [p for p in points if p.engine == engine], quantity, bars, orders.get((engine, quantity)), place
         )
-        order = orders.get((engine, quantity))
-        if rungs:
-            ladders[engine] = {"dt": KnobLadder(
-                knob="dt", says="dt_fraction", rungs=tuple(sorted(rungs, key=lambda r: -r.x)), order=order or math.nan,
-                state="extrapolated" if order else "flat",
-                failed=tuple(f"{r['dt_fraction']:g}: {r['status']}" for r in mine if r["status"] != "completed"),
-            )}
+        if ladder is not None:
+            ladders[engine] = {"dt": ladder}
     return Evidence(
-        scene=scene, scene_file=file, quantity=quantity, unit="1", packings=data["phases"], ladders=ladders,
-        spread=dict.fromkeys(ladders), source="", absent=_absent(scene, [data["knob"]]),
+        scene=scene, scene_file=file, quantity=quantity, unit="1", packings=data.phases, ladders=ladders,
+        spread=dict.fromkeys(ladders), source="", absent=_absent(scene, [data.knob]),
     )
 
 
-def _free_bars(data: Mapping, case: str, quantity: str) -> dict[tuple[str, float], float]:
+def _free_ladder(
+    scene: Free, points: Sequence[FreePoint], quantity: str, bars: Mapping[tuple[str, float], float],
+    order: float | None, place: Path,
+) -> KnobLadder | None:
+    good = [p for p in points if getattr(p, quantity) is not None and p.milliseconds is not None]
+    if not good:
+        return None
+    lacking = next((p for p in good if (p.engine, p.dt_fraction) not in bars), None)
+    if lacking is not None:
+        raise damaged(place, f"without errors by phase of {lacking.engine} at {lacking.dt_fraction:g}")
+    own = scene.numerics.dt_fraction
+    rungs = [_free_rung(p, quantity, bars[p.engine, p.dt_fraction], own) for p in good]
+    beyond = [p for p in points if p.beyond is not None]
+    return KnobLadder(
+        knob="dt", says="dt_fraction", rungs=tuple(sorted(rungs, key=lambda r: -r.x)), order=order or math.nan,
+        state="extrapolated" if order else "flat",
+        failed=tuple(f"{p.dt_fraction:.4g}: {p.status}" for p in points if p.status != "completed"),
+        beyond=tuple(sorted(p.dt_fraction for p in beyond)), largest=next((p.beyond for p in beyond), None),
+    )
+
+
+def _free_bars(data: FreeFile, case: str, quantity: str) -> dict[tuple[str, float], float]:
     """Return standard errors by engine and dt_fraction."""
-    oracle = {r["engine"]: r["its error"] or 0.0 for r in data["tables"]["oracles"] if r["case"] == case}
-    rows = [r for r in data["errors"] if r["case"] == case and quantity in r]
-    return {(r["engine"], r["dt_fraction"]): math.hypot(oracle[r["engine"]], _of_rms(r[quantity])) for r in rows}
+    oracle = {r.engine: r.error or 0.0 for r in data.tables.oracles if r.case == case}
+    rows = [r for r in data.errors if r.case == case and getattr(r, quantity)]
+    return {
+        (r.engine, r.dt_fraction): math.hypot(oracle[r.engine], _of_rms(getattr(r, quantity)))
+        for r in rows if r.engine in oracle
+    }
 
 
 def _of_rms(errors: Sequence[float]) -> float:
@@ -259,11 +312,11 @@ def _of_rms(errors: Sequence[float]) -> float:
     return math.sqrt(variance / count) / (2.0 * math.sqrt(mean))
 
 
-def _free_rung(row: Mapping, quantity: str, bar: float, own: float) -> Rung:
-    value = row["dt_fraction"]
+def _free_rung(point: FreePoint, quantity: str, bar: float, own: float) -> Rung:
+    value = point.dt_fraction
     return Rung(
-        knob="dt", value=value, x=value, declared=abs(value / own - 1.0) < 1e-9, error=row[quantity], bar=bar,
-        seconds=1e-3 * row["CPU (ms)"],
+        knob="dt", value=value, x=value, declared=abs(point.rung / own - 1.0) < 1e-9, error=getattr(point, quantity),
+        bar=bar, seconds=1e-3 * point.milliseconds,
     )
 
 
@@ -282,9 +335,9 @@ def _absent(scene: Scene, measured: Sequence[str]) -> dict[str, str]:
     return found
 
 
-def _quantity(data: Mapping, name: str | None, place: Path) -> str:
-    known = list(data["quantities"]) if "quantities" in data else _free_quantities(data)
-    wanted = name or data["quantity"]
+def _quantity(data: BulkFile | FreeFile, name: str | None, place: Path) -> str:
+    known = _free_quantities(data) if isinstance(data, FreeFile) else list(data.quantities)
+    wanted = name or data.quantity
     if wanted not in known:
         raise InputError(
             file="--quantity", expected=f"one of {', '.join(known)}, which {place} has", got=wanted,
@@ -293,38 +346,24 @@ def _quantity(data: Mapping, name: str | None, place: Path) -> str:
     return wanted
 
 
-def _free_quantities(data: Mapping) -> list[str]:
-    return [q for q in ("exit", "velocity", "spin") if any(r.get(q) is not None for r in data["tables"]["points"])]
+def _free_quantities(data: FreeFile) -> list[str]:
+    return [q for q in ("exit", "velocity", "spin") if any(getattr(p, q) is not None for p in data.tables.points)]
 
 
-def _read(place: Path, what: str, option: str) -> Mapping:
-    fix = f"run {what.removeprefix('a finished ')} first"
-    try:
-        data = json.loads(place.read_text())
-    except FileNotFoundError:
-        raise InputError(file=option, expected=f"the folder of {what}", got=f"no {place}", fix=fix) from None
-    except (OSError, ValueError) as error:
-        raise InputError(file=place, expected=what, got=f"a damaged file ({error})", fix=fix) from None
-    schema = data.get("schema", BULK_SCHEMA) if isinstance(data, Mapping) else None
-    if schema != BULK_SCHEMA or "tables" not in data or "scene" not in data:
-        raise InputError(file=place, expected=what, got="another file, or of another version", fix=fix)
-    return data
-
-
-def _require_same_scene(scene: Scene, data: Mapping, place: Path, option: str) -> None:
+def _require_same_scene(scene: Scene, theirs: Scene, place: Path, option: str) -> None:
     """Titles do not matter, and not what only `compare` judges by; what the study's version did not know is absent."""
-    try:
-        theirs = msgspec.convert(data["scene"], Scene)
-    except msgspec.ValidationError as error:
-        raise InputError(file=place, expected="a study of a scene", got=f"another ({error})") from None
     names = {"kind", *type(scene).__struct_fields__} - {"title", "compare"}
     kind = {"kind"} if type(theirs) is not type(scene) else set()
     other = kind or {n for n in names - {"kind"} if getattr(scene, n) != getattr(theirs, n)}
     if other:
         raise InputError(
-            file=option, expected="a study of this scene", got=f"{place}, whose {', '.join(sorted(other))} differ",
+            file=option, expected="a study of this scene", got=f"{place}, {_other(other)}",
             fix="run it again for this scene",
         )
+
+
+def _other(names: set[str]) -> str:
+    return f"whose {', '.join(sorted(names))} differ{'s' if len(names) == 1 else ''}"
 
 
 def _with(evidence: Evidence, **changes) -> Evidence:

@@ -54,7 +54,7 @@ def asked(
     """Return what is to be done. Raises InputError for what this scene does not have."""
     return Asked(
         quantities=asked_quantities(scene, quantities), tolerance=asked_tolerance(scene, tolerance),
-        only=_effects(only), engines=choose_engines(list(engines or ENGINES)), by=find_engine(by or BY),
+        only=_effects(only), engines=choose_engines(list(engines or ENGINES)), by=find_engine(by or BY, option="--by"),
         packings=_packings(scene, packings, file),
     )
 

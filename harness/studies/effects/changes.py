@@ -10,7 +10,7 @@ scene has no spread: its changes are exact, the bar is the tolerance.
 
     agrees        the change is shown to be smaller than the tolerance (equivalence, one-sided level 5 %)
     differs       it is shown to be larger, or the quantity is gone
-    inconclusive  neither; so many packings would be expected to show that it is smaller
+    inconclusive  neither; so many packings would be expected to tell, were the change the one that was measured
     not_checked   a run of the switched scene failed
 """
 
@@ -24,9 +24,9 @@ import numpy as np
 
 from harness.studies.effects.quantities import DEVIATIONS
 from harness.studies.effects.variants import BASE
-from harness.studies.statistics.difference import Difference, half_width, paired_difference
+from harness.studies.statistics.difference import FEWEST, Difference, half_width, paired_difference
 from harness.studies.statistics.family import Measured
-from harness.studies.statistics.power import equivalence_p, replicates_to_equate
+from harness.studies.statistics.power import equivalence_p, replicates_to_equate, replicates_to_exceed
 from harness.studies.verdict import Verdict
 
 LEVEL = 0.05
@@ -38,8 +38,8 @@ MANY = 1e6
 class Change:
     """One quantity of one variant. base, value: means in `unit`, None where there is none.
 
-    relative, error: the change and its standard error over the scale, None where not known. bar: see the module,
-    relative. packings: how many. needed: packings that would show it to be small, None for no number.
+    relative, error: the change and its standard error over the scale, None where not known; over: what the scale is.
+    bar: see the module, relative. packings: how many. needed: packings that would tell, None where that is not known.
     """
 
     variant: str
@@ -53,6 +53,7 @@ class Change:
     verdict: Verdict
     why: str
     packings: int
+    over: str = ""
     needed: int | None = None
 
     @property
@@ -73,7 +74,7 @@ def change_of(m: Measured, variant: str, tolerance: float, failed: str = "") -> 
     base, values = m.of(BASE), m.of(variant)
     both = sorted(set(base) & set(values))
     facts = {"variant": variant, "quantity": m.quantity, "unit": m.unit, "packings": len(both),
-             "base": float(np.mean(list(base.values())))}
+             "base": float(np.mean(list(base.values()))), "over": _over(m)}
     if failed or not both:
         return Change(**facts, value=None, relative=None, error=None, bar=None,
                       verdict="not_checked" if failed else "differs", why=failed or "the quantity is gone")
@@ -102,14 +103,33 @@ def judged(difference: Difference, margin: float) -> tuple[Verdict, str, int | N
     width = half_width(difference, 2.0 * LEVEL)
     if abs(difference.value) - width > margin or (width == 0.0 and abs(difference.value) >= margin):
         return "differs", "beyond the tolerance", None
-    needed = replicates_to_equate(difference, margin, LEVEL) if difference.count > 1 else None
-    more = f"; about {needed} packings would show that it is within" if needed else ""
+    needed, side = _needed(difference, margin)
+    more = f"; about {needed} packings would show that it is {side}" if needed else ""
     return "inconclusive", f"these packings cannot tell{more}", needed
+
+
+def _needed(difference: Difference, margin: float) -> tuple[int | None, str]:
+    """Return how many packings would tell, more than there are, and what; None where no scatter is known, or too many.
+    """
+    small = abs(difference.value) < margin
+    if difference.count < FEWEST:
+        return None, ""
+    found = (replicates_to_equate if small else replicates_to_exceed)(difference, margin, LEVEL)
+    return found and max(found, difference.count + 1), "within" if small else "beyond"
 
 
 def _scale(m: Measured, base: dict[int, float]) -> float:
     """Return what a change is measured by; of a negative quantity its mean, so that a smaller size is a fall."""
     return m.scale if m.scale is not None else float(np.mean(list(base.values())))
+
+
+def _over(m: Measured) -> str:
+    """Say what a change is a part of."""
+    if m.quantity in DEVIATIONS:
+        return DEVIATIONS[m.quantity]
+    if m.scale is None:
+        return "its value as declared"
+    return f"{'an axial strain of ' * m.quantity.startswith('volume')}{m.scale:g}"
 
 
 def _difference(

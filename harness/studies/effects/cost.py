@@ -67,12 +67,15 @@ class StepCost:
         return float(np.median(self.ratios)) if self.ratios else None
 
     def differs(self, steps: float = 1.0) -> bool:
-        """Whether all stretches but one at most lie on one side of equal times, with `steps` times as many steps.
+        """Whether the whole range of stretches lies on one side of equal times, with `steps` times as many steps.
 
-        By chance that happens to seven stretches with probability 1/8.
+        By chance that happens to seven stretches with probability 1/64.
         """
-        longer = sum(r * steps > 1.0 for r in self.ratios)
-        return min(longer, len(self.ratios) - longer) <= 1 < len(self.ratios)
+        return self.shorter(steps) or (len(self.ratios) > 1 and steps * min(self.ratios) > 1.0)
+
+    def shorter(self, steps: float = 1.0) -> bool:
+        """Whether every stretch took less time than as declared, with `steps` times as many steps."""
+        return len(self.ratios) > 1 and steps * max(self.ratios) < 1.0
 
     @property
     def range(self) -> tuple[float, float] | None:

@@ -33,8 +33,11 @@ from harness.studies.effects.variants import BASE
 from harness.studies.statistics.family import Measured
 from postproc.trajectory import read_frame, read_trajectory
 
-DEVIATIONS = ("exit", "velocity", "spin", "stress_strain")
-"""Quantities that are deviations from the scene as declared."""
+FASTEST = "the largest relative speed at the start"
+DEVIATIONS = {
+    "exit": FASTEST, "velocity": FASTEST, "spin": FASTEST, "stress_strain": "the rms of the curve as declared",
+}
+"""Quantities that are deviations from the scene as declared, and what they are a part of."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from harness.runs.outcome import usable_cores
 from harness.scene.system import System
 from harness.studies.frontier.probe import STEPS, Look, disturbed
 
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from harness.engines.protocol import Engine
+    from harness.studies.frontier.keep import Kept
 
 PRECISION = 0.01
 """Width of the bracket at the end, over its middle."""
@@ -26,6 +28,12 @@ WIDEN = 1.6
 
 LOWEST, HIGHEST = 0.1, 8.0
 """Of the guess: nothing is looked for beyond."""
+
+LOOKS = 6
+"""That a search takes, about: 5.3 on the mean of the quick size."""
+
+SIDE_BY_SIDE = 2
+"""Searches that are under way for every run at a time: the next look of one waits for those of the others."""
 
 
 @dataclass(kw_only=True)
@@ -103,27 +111,56 @@ class Wanted:
     guess: float
     steps: int = STEPS
 
+    @property
+    def seconds(self) -> float:
+        """What the search takes, roughly."""
+        look = self.engine.startup_seconds + 1e-6 * self.engine.microseconds_per_step(self.rest) * self.steps
+        return LOOKS * look
+
 
 def search_all(
     wanted: list[Wanted], root: Path, *, time_limit: float, workers: int | None = None, precision: float = PRECISION,
-    tell: Callable[[int, Search], None] = lambda *_: None,
+    kept: Kept | None = None, tell: Callable[[int, Search], None] = lambda *_: None,
 ) -> list[Search]:
-    """Search for all frontiers side by side, a look of each at a time; runs are kept and reused below `root`.
+    """Search for all frontiers, the longest first, a few side by side; runs are kept and reused below `root`.
 
-    tell: is told of every search, by its number, after each of its looks.
+    kept: where finished searches are read from and put as soon as they are done. tell: is told of every search, by its
+    number, when it begins and after each of its looks.
     """
+    searches = [
+        Search(guess=w.guess, precision=precision, looks=kept.looks(w, precision) if kept else []) for w in wanted
+    ]
+    for k in (k for k, search in enumerate(searches) if search.done):
+        tell(k, searches[k])
+    waiting = sorted((k for k, s in enumerate(searches) if not s.done), key=lambda k: -wanted[k].steps)
+    open_ones: list[int] = []
+    while waiting or open_ones:
+        begun = waiting[: SIDE_BY_SIDE * (workers or usable_cores()) - len(open_ones)]
+        waiting = waiting[len(begun):]
+        for k in begun:
+            tell(k, searches[k])
+        open_ones += begun
+        _look_once(wanted, searches, open_ones, root, time_limit=time_limit, workers=workers)
+        for k in open_ones:
+            if kept and searches[k].done:
+                kept.put(wanted[k], searches[k])
+            tell(k, searches[k])
+        open_ones = [k for k in open_ones if not searches[k].done]
+    return searches
+
+
+def _look_once(
+    wanted: list[Wanted], searches: list[Search], chosen: list[int], root: Path, *, time_limit: float,
+    workers: int | None,
+) -> None:
+    """Take the next look of each of the chosen searches, side by side."""
     from harness.runs.pool import run_many
     from harness.studies.frontier.probe import look
 
-    searches = [Search(guess=w.guess, precision=precision) for w in wanted]
-    while open_ones := [k for k, s in enumerate(searches) if not s.done]:
-        steps = {k: searches[k].next_step() for k in open_ones}
-        jobs = [
-            (wanted[k].label, wanted[k].engine, disturbed(wanted[k].rest, steps[k], wanted[k].steps))
-            for k in open_ones
-        ]
-        made = run_many(jobs, root, time_limit=time_limit, workers=workers, native="drop")
-        for k, done in zip(open_ones, made, strict=True):
-            searches[k].tell(look(done, steps[k]))
-            tell(k, searches[k])
-    return searches
+    steps = {k: searches[k].next_step() for k in chosen}
+    jobs = [
+        (wanted[k].label, wanted[k].engine, disturbed(wanted[k].rest, steps[k], wanted[k].steps)) for k in chosen
+    ]
+    made = run_many(jobs, root, time_limit=time_limit, workers=workers, native="drop")
+    for k, done in zip(chosen, made, strict=True):
+        searches[k].tell(look(done, steps[k]))

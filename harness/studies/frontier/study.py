@@ -12,17 +12,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from harness.engines.registry import ENGINES, KERNEL_PREFIX, choose_engines
-from harness.runs.folder import runs_root
+from harness.runs.folder import require_folder, runs_root
 from harness.runs.outcome import Host, host_facts
 from harness.scene.laws import turning
 from harness.scene.system import System
 from harness.studies.frontier import laws, packings
 from harness.studies.frontier.formula import formula_limit
+from harness.studies.frontier.keep import Kept
 from harness.studies.frontier.laws import LawCase
 from harness.studies.frontier.map import AXES
 from harness.studies.frontier.packings import PackingCase, resting_system
 from harness.studies.frontier.probe import LATE_STEPS, STEPS
-from harness.studies.frontier.search import Search, Wanted, search_all
+from harness.studies.frontier.search import LOOKS, Search, Wanted, search_all
 from harness.studies.frontier.theory import Theory, felt_late, linear_packing, scheme, theory_of, touching
 
 if TYPE_CHECKING:
@@ -31,6 +32,9 @@ if TYPE_CHECKING:
 
 USUAL = ("lammps", "liggghts", "kernel:lammps", "kernel:talk")
 """The codes, the kernel as they do it, and as the talks do: its friction springs are felt one step late."""
+
+KEPT, PLANNING = "frontiers", "packings and exact limits"
+"""Where finished frontiers are kept, and how the first part of the study is called."""
 
 TIME_LIMIT = 120.0
 """Seconds of one run of some thousand steps of a hundred particles."""
@@ -122,7 +126,9 @@ class Frontiers:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Case:
+class Case:
+    """A law on a packing; axis, value: of the map, else "" and None."""
+
     law: LawCase
     packing: PackingCase
     axis: str = ""
@@ -130,13 +136,14 @@ class _Case:
 
     @property
     def label(self) -> str:
+        """How a search is called."""
         at = f", {self.axis} = {self.value:g}" if self.axis else ""
         return f"{self.law.name}, {self.packing.name}{at}"
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Planned:
-    case: _Case
+    case: Case
     engine: Engine
     rest: System
     theory: Theory
@@ -147,24 +154,28 @@ class _Planned:
 
     @property
     def wanted(self) -> Wanted:
-        steps = LATE_STEPS if felt_late(self.engine.name, self.rest) else STEPS
+        steps = looked_steps(self.engine, self.rest)
         return Wanted(label=self.label, engine=self.engine, rest=self.rest, guess=self.theory.guess, steps=steps)
+
+
+def looked_steps(engine: Engine, rest: System) -> int:
+    """Return the steps of one look."""
+    return LATE_STEPS if felt_late(engine.name, rest) else STEPS
 
 
 def frontiers(
     out: Path, *, full: bool = False, engines: Sequence[str] | None = None, time_limit: float = TIME_LIMIT,
     workers: int | None = None, progress: Callable[[], Progress] | None = None,
 ) -> Frontiers:
-    """Measure all frontiers of a size; packings and runs are kept and reused below `out`.
+    """Measure all frontiers of a size; packings, runs and finished frontiers are kept and reused below `out`.
 
     Raises InputError for engines that do not exist, before anything is written.
     """
     begun = time.monotonic()
-    chosen = choose_engines(list(engines)) if engines else tuple(ENGINES[name] for name in USUAL)
-    late = packings.WHOLE if full else packings.QUICK[:1]
-    plan, skipped = _planned(_cases(full=full), chosen, out / "packings", late)
-    wanted = [p.wanted for p in plan]
-    searches = _shown(wanted, runs_root(out), time_limit, workers, progress)
+    chosen = chosen_engines(engines)
+    require_folder(out / KEPT)
+    plan, skipped = _planned(frontier_cases(full=full), chosen, out / "packings", late_packings(full=full), _display(progress))
+    searches = _shown([p.wanted for p in plan], out, time_limit, workers, _display(progress))
     found = tuple(_frontier(p, search) for p, search in zip(plan, searches, strict=True))
     return Frontiers(
         size="full" if full else "quick", found=found, skipped=tuple(skipped), host=host_facts(),
@@ -172,55 +183,84 @@ def frontiers(
     )
 
 
+def chosen_engines(names: Sequence[str] | None) -> tuple[Engine, ...]:
+    """Return the engines that were asked for, or the usual ones. Raises InputError."""
+    return choose_engines(list(names)) if names else tuple(ENGINES[name] for name in USUAL)
+
+
+def late_packings(*, full: bool) -> Sequence[PackingCase]:
+    """Return the packings on which springs that are felt late are followed, which takes many steps."""
+    return packings.WHOLE if full else packings.QUICK[:1]
+
+
 def measured_frontier(
     engine: Engine, rest: System, root: Path, *, law: str = "", packing: str = "", time_limit: float = TIME_LIMIT
 ) -> Frontier:
     """Return the frontier of one system at rest, of any law: for other studies. Runs are kept below `root`."""
-    case = _Case(
+    case = Case(
         law=LawCase(name=law, contact=None), packing=PackingCase(name=packing, dimension=rest.dimension, make=None)
     )
     planned = _Planned(case=case, engine=engine, rest=rest, theory=theory_of(rest, engine.name))
     return _frontier(planned, *search_all([planned.wanted], root, time_limit=time_limit))
 
 
-def _cases(*, full: bool) -> list[_Case]:
-    """Laws times packings, then the map. The quick size has the rarer laws on its first packing only."""
+def frontier_cases(*, full: bool) -> list[Case]:
+    """Return laws times packings, then the map. The quick size has the rarer laws on its first packing only."""
     chosen = packings.WHOLE if full else packings.QUICK
     rare = chosen if full else chosen[:1]
     cases = [
-        _Case(law=law, packing=packing)
+        Case(law=law, packing=packing)
         for packing in chosen for law in (laws.WHOLE if packing in rare else laws.QUICK)
     ]
     for axis in AXES:
         cases += [
-            _Case(law=axis.law(v), packing=axis.packing(v), axis=axis.name, value=v) for v in axis.values(full=full)
+            Case(law=axis.law(v), packing=axis.packing(v), axis=axis.name, value=v) for v in axis.values(full=full)
         ]
     return cases
 
 
-def _planned(cases: list[_Case], engines: Sequence[Engine], cache: Path, late: Sequence[PackingCase]):
-    """Return every search, and what is left out and why.
-
-    late: the packings on which springs that are felt late are followed, which takes many steps; not on the map.
-    """
+def _planned(
+    cases: list[Case], engines: Sequence[Engine], cache: Path, late: Sequence[PackingCase], shown: Progress
+) -> tuple[list[_Planned], list[tuple[str, str, str, str]]]:
+    """Return every search, with what theory expects, and what is left out and why. late: see `wanted_of`."""
     plan, skipped = [], []
-    for case in cases:
-        rest = resting_system(case.packing, case.packing.make(cache), case.law)
-        known = {late: theory_of(rest, engine) for late, engine in _schemes(engines, rest).items()}
-        for engine in _distinct(engines, rest):
-            if felt_late(engine.name, rest) and (case.axis or case.packing not in late):
-                continue
-            reason = _refusal(engine, rest)
-            if reason:
-                skipped.append((engine.name, case.law.name, case.packing.name, reason))
-            else:
-                plan.append(_Planned(case=case, engine=engine, rest=rest, theory=known[scheme(engine.name)]))
+    shown.begin([PLANNING], [float(len(cases))])
+    try:
+        for number, case in enumerate(cases):
+            shown.running(0, number / len(cases))
+            rest = resting_system(case.packing, case.packing.make(cache), case.law)
+            able, refused = wanted_of(case, rest, engines, late)
+            known = {scheme(e.name): theory_of(rest, e.name) for e in _one_each(able)}
+            plan += [_Planned(case=case, engine=e, rest=rest, theory=known[scheme(e.name)]) for e in able]
+            skipped += [(e.name, case.law.name, case.packing.name, why) for e, why in refused]
+        shown.done(0, f"{PLANNING}: {len(plan)} frontiers to be found")
+    finally:
+        shown.end()
     return plan, list(dict.fromkeys(skipped))
 
 
-def _schemes(engines: Sequence[Engine], rest: System) -> dict[str, str]:
+def wanted_of(
+    case: Case, rest: System, engines: Sequence[Engine], late: Sequence[PackingCase]
+) -> tuple[list[Engine], list[tuple[Engine, str]]]:
+    """Return the engines whose frontier is searched for, and those that do not run the system, with the reason.
+
+    late: the packings on which springs that are felt late are followed, which takes many steps; not on the map.
+    """
+    able, refused = [], []
+    for engine in _distinct(engines, rest):
+        if felt_late(engine.name, rest) and (case.axis or case.packing not in late):
+            continue
+        reason = _refusal(engine, rest)
+        if reason:
+            refused.append((engine, reason))
+        else:
+            able.append(engine)
+    return able, refused
+
+
+def _one_each(engines: Sequence[Engine]) -> list[Engine]:
     """Return an engine of every scheme among the engines: theory is the same for all of one."""
-    return {scheme(e.name): e.name for e in _distinct(engines, rest)}
+    return list({scheme(e.name): e for e in engines}.values())
 
 
 def _refusal(engine: Engine, rest: System) -> str:
@@ -242,21 +282,28 @@ def _distinct(engines: Sequence[Engine], system: System) -> tuple[Engine, ...]:
     return tuple(dict.fromkeys(single))
 
 
-def _shown(wanted, root: Path, time_limit: float, workers: int | None, progress) -> list[Search]:
-    """Search, telling a display how far each search is; a search takes about six looks."""
+def _display(progress: Callable[[], Progress] | None) -> Progress:
     from harness.runs.progress import Silent
 
-    shown = progress() if progress else Silent()
-    shown.begin([w.label for w in wanted], [1.0] * len(wanted))
+    return progress() if progress else Silent()
+
+
+def _shown(
+    wanted: list[Wanted], out: Path, time_limit: float, workers: int | None, shown: Progress
+) -> list[Search]:
+    """Search, telling a display how far each search is; what was found in an earlier call is taken from there."""
+    shown.begin([w.label for w in wanted], [w.seconds for w in wanted])
 
     def tell(number: int, search: Search) -> None:
         if search.done:
             shown.done(number, f"{wanted[number].label}: {_words(search)}")
         else:
-            shown.running(number, min(0.9, len(search.looks) / 6))
+            shown.running(number, min(0.9, len(search.looks) / LOOKS))
 
     try:
-        return search_all(wanted, root, time_limit=time_limit, workers=workers, tell=tell)
+        return search_all(
+            wanted, runs_root(out), time_limit=time_limit, workers=workers, tell=tell, kept=Kept(folder=out / KEPT)
+        )
     finally:
         shown.end()
 

@@ -45,7 +45,24 @@ def test_more_packings_would_settle_it_and_how_many():
     assert found.verdict == "inconclusive"
     assert 5 <= found.needed <= 60
     assert f"{found.needed} packings" in found.why
-    assert change_of(quantity(1.2, 3.0), OFF, 0.05).needed is None, "larger than the tolerance: no number would do"
+
+
+def test_packings_that_would_show_a_change_to_be_beyond():
+    """-50 % with an error of 10 % from two packings: t_1 is so wide that they cannot tell, three can."""
+    found = change_of(quantity(-10.0, 4.0, count=2), OFF, 0.05)
+    assert math.isclose(found.relative, -0.5)
+    assert (found.verdict, found.needed) == ("inconclusive", 3)
+    assert "about 3 packings would show that it is beyond" in found.why
+    assert change_of(quantity(-10.0, 4.0, count=4), OFF, 0.05).verdict == "differs"
+    assert change_of(quantity(1.2, 3.0), OFF, 0.05).needed > 100, "hardly beyond"
+    assert change_of(quantity(1.0, 3.0), OFF, 0.05).needed is None, "at the tolerance no number tells"
+
+
+def test_what_a_change_is_a_part_of_is_named():
+    assert change_of(quantity(0.4), OFF, 0.05).over == "its value as declared"
+    assert change_of(quantity(0.4, name="volume_strain", scale=0.05), OFF, 0.05).over == "an axial strain of 0.05"
+    curve = Measured(quantity="stress_strain", unit="1", values={BASE: {0: 0.0}, OFF: {0: 0.14}}, scale=1.0)
+    assert change_of(curve, OFF, 0.05).over == "the rms of the curve as declared"
 
 
 def test_a_negative_quantity_that_shrinks_falls():
@@ -133,10 +150,24 @@ def test_nothing_goes_that_no_run_confirms():
     assert len(tried) == 3
 
 
-def test_what_costs_time_to_leave_out_stays():
-    smallest, _ = found(max, {"gravity": -0.1, "background drag": 0.0, "adhesion": 0.3, "wall friction": None})
+def test_what_saves_no_time_that_was_seen_stays():
+    smallest, tried = found(max, {"gravity": -0.1, "background drag": 0.0, "adhesion": 0.3, "wall friction": None})
     assert "10 % longer" in smallest.kept["gravity"]
-    assert smallest.left_out == ("background drag", "wall friction")
+    assert "nothing that stands out" in smallest.kept["background drag"]
+    assert "not measured" in smallest.kept["wall friction"]
+    assert (smallest.left_out, tried) == ((), [])
+
+
+def test_a_trial_keeps_what_else_changes_and_is_not_judged_by_it():
+    variants = [variant("gravity")]
+    other = change_of(quantity(9.0, 0.1, name="stress_strain"), OFF, 0.05)
+    smallest = smallest_set(
+        variants, [shifted("without gravity", 0.1)], ("q",), {"gravity": 0.1}, lambda _: [shifted("reduced", 0.1), other]
+    )
+    assert smallest.left_out == ("gravity",)
+    (trial,) = smallest.trials
+    assert [c.quantity for c in trial.changes] == ["q"]
+    assert [(c.quantity, c.verdict) for c in trial.others] == [("stress_strain", "differs")]
 
 
 def test_an_inconclusive_switch_stays():

@@ -74,6 +74,19 @@ def test_a_narrow_tolerance_keeps_it(out):
     assert REDUCED not in {variant for _, variant in narrow.costs}
 
 
+def test_a_saving_within_the_scatter_of_the_times_moves_nothing(out):
+    """The change is as small as before; the ratio's range holds 1."""
+    def scattered(*words, **more):
+        costs = canned_costs(*words, **more)
+        return {n: c if n == BASE else StepCost(seconds=c.seconds, ratios=(0.976, 0.992, 1.04)) for n, c in costs.items()}
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(timing, "step_costs", scattered)
+        kept = effects_study(FILE, out, engines=["kernel:talk"], only=["normal damping"], tolerance=0.3)
+    assert kept.smallest.left_out == ()
+    assert "stands out of the scatter" in kept.smallest.kept["normal damping"]
+
+
 def test_effects_that_are_not_asked_for_are_not_switched(found):
     assert {v.effect.name for v in found.variants} == {"normal damping", "background drag"}
     assert {name for _, name in found.costs} == {
@@ -92,7 +105,7 @@ def test_effects_that_are_not_asked_for_are_not_switched(found):
         ({"tolerance": 5.0}, "0.05 is five per cent"),
         ({"only": ["sliding frction"]}, "--effect: expected one of normal contact"),
         ({"engines": ["yade"]}, "--engines: expected names"),
-        ({"by": "yade"}, "--engine: expected names"),
+        ({"by": "yade"}, "--by: expected names"),
         ({"packings": 3}, "--packings: expected 1"),
     ],
 )
