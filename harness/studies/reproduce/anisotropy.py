@@ -32,7 +32,7 @@ from harness.studies.reproduce.boxes import (
     varied,
 )
 from harness.studies.reproduce.protocol import Ask, Case, Chart, Declared, Line, Measured, Picture, Result, Row, Study
-from harness.studies.reproduce.rows import Within, compared, over_packings, shown
+from harness.studies.reproduce.rows import Within, compared, over_packings, shown, spanned
 from harness.studies.reproduce.runs import Made, by_engine, engines_of, run_cases, study_runs, unsupported
 from postproc.average import average
 from postproc.macro.fits.saturation import fit_saturation
@@ -310,8 +310,7 @@ def _rate_says(made: Sequence[Made], ask: Ask, main: float) -> list[str]:
         known = [m.value for m in x if m.packings]
         if at and known:
             said.append(
-                f"The {name} is {np.mean(at):.0f} at this pressure and goes as p_x^x, x = {min(known):.2f} to "
-                f"{max(known):.2f}."
+                f"The {name} is {np.mean(at):.0f} at this pressure and goes as p_x^x, x = {spanned(known, '.2f')}."
             )
     return said
 
@@ -319,8 +318,7 @@ def _rate_says(made: Sequence[Made], ask: Ask, main: float) -> list[str]:
 def _range(found: Sequence[Measured]) -> str:
     if not found:
         return "not known"
-    values = [m.value for m in found]
-    return f"{min(values):.3f} to {max(values):.3f} over engines"
+    return spanned((m.value for m in found), ".3f") + " over engines" * (len(found) > 1)
 
 
 STUDY = Study(

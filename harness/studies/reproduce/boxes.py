@@ -21,7 +21,7 @@ from harness.studies.compare.pairs import declared_for, pairs_of
 from harness.studies.compare.pointwise import window_checks
 from harness.studies.compare.run_checks import CONTROL_TOLERANCE, INERTIA_LIMIT, inertial_numbers
 from harness.studies.reproduce.protocol import Ask, Case, Line, Measured, RatePoint
-from harness.studies.reproduce.rows import over_packings
+from harness.studies.reproduce.rows import over_packings, spanned
 from harness.studies.reproduce.runs import Made, by_engine, engines_of
 from harness.studies.statistics.family import Measured as Judgeable
 from harness.studies.statistics.family import Terms, family_checks, judge_family
@@ -141,7 +141,7 @@ def rate_words(points: Sequence[RatePoint], *, what: str) -> str:
     if not known:
         return "No test ran at two rates."
     low, high = 100 * min(known), 100 * max(known)
-    return f"From the second slowest drive to the slowest the {what} changes by {low:+.1f} to {high:+.1f} %."
+    return f"From the second slowest drive to the slowest the {what} changes by {spanned((low, high), '+.1f')} %."
 
 
 def mean_line(runs: Mapping[int, BoxRun], value: Callable[[BiaxialCurves], np.ndarray], **facts) -> Line:

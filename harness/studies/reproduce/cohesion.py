@@ -39,7 +39,7 @@ from harness.studies.reproduce.boxes import (
     varied,
 )
 from harness.studies.reproduce.protocol import Ask, Case, Chart, Declared, Line, Measured, Picture, Result, Row, Study
-from harness.studies.reproduce.rows import Spread, Within, compared, over_packings
+from harness.studies.reproduce.rows import Spread, Within, compared, over_packings, spanned
 from harness.studies.reproduce.runs import Made, by_engine, engines_of, run_cases, study_runs, unsupported
 from postproc.macro.fits.yield_locus import mohr_coulomb
 from postproc.results import Unavailable
@@ -335,11 +335,11 @@ def _apart(rows: Sequence[Row]) -> str:
     }
     said = [f"{kind} {_range([r.deviation / r.talk.value for r in of])}" for kind, of in kinds.items() if of]
     angles = [r.deviation for r in known if "angle" in r.quantity]
-    return "; ".join([*said, f"angles {min(angles):+.1f} to {max(angles):+.1f} degrees"] if angles else said)
+    return "; ".join([*said, f"angles {spanned(angles, '+.1f')} degrees"] if angles else said)
 
 
 def _range(parts: Sequence[float]) -> str:
-    return f"{100 * min(parts):+.0f} to {100 * max(parts):+.0f} %"
+    return f"{spanned((100 * p for p in parts), '+.0f')} %"
 
 
 STUDY = Study(

@@ -33,7 +33,7 @@ from harness.studies.reproduce.boxes import (
     varied,
 )
 from harness.studies.reproduce.protocol import Ask, Case, Chart, Declared, Line, Picture, Result, Row, Study
-from harness.studies.reproduce.rows import shown
+from harness.studies.reproduce.rows import shown, spanned
 from harness.studies.reproduce.runs import Made, by_engine, engines_of, run_cases, study_runs, unsupported
 from harness.studies.verdict import Check, judged
 
@@ -236,9 +236,9 @@ def _words(made: Sequence[Made], case: str, cycles: int) -> tuple[str, ...]:
         return ("No run was completed.",)
     first, last, change = (range_of(n) for n in (of_cycle(VOLUME, 1), of_cycle(VOLUME, cycles), LAST_CHANGE))
     return (
-        f"Over all engines: after the first cycle the volume strain is {100 * first[0]:.2f} to {100 * first[1]:.2f} % "
-        f"(compression > 0), after {cycles} cycles {100 * last[0]:.2f} to {100 * last[1]:.2f} %; in the last cycle the "
-        f"area fraction still changes by {change[0]:+.1e} to {change[1]:+.1e}.",
+        f"Over all engines: after the first cycle the volume strain is {spanned((100 * f for f in first), '.2f')} % "
+        f"(compression > 0), after {cycles} cycles {spanned((100 * f for f in last), '.2f')} %; in the last cycle the "
+        f"area fraction still changes by {spanned(change, '+.1e')}.",
         "The talk shows such curves beside those of a hypoplastic model, without parameters; there is no number to "
         "hold these against. The packing is dense, as it is prepared without friction.",
     )

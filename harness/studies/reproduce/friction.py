@@ -34,7 +34,7 @@ from harness.studies.reproduce.boxes import (
     varied,
 )
 from harness.studies.reproduce.protocol import Ask, Case, Chart, Declared, Line, Measured, Picture, Result, Row, Study
-from harness.studies.reproduce.rows import Within, compared, over_packings, shown
+from harness.studies.reproduce.rows import Within, compared, over_packings, shown, spanned
 from harness.studies.reproduce.runs import Made, by_engine, engines_of, run_cases, study_runs, unsupported
 from postproc.macro.fits.yield_locus import mohr_coulomb
 from postproc.results import Unavailable
@@ -278,7 +278,7 @@ def _words(angles: Mapping[str, Mapping[str, Measured]]) -> tuple[str, ...]:
     for name, value in VALUES.items():
         talk, ours = published_values()[value].value, [of[name].value for of in angles.values() if name in of]
         if ours:
-            said.append(f"{name} {min(ours):.1f} to {max(ours):.1f} (the talk: {talk:g})")
+            said.append(f"{name} {spanned(ours, '.1f')} (the talk: {talk:g})")
     return (
         f"Angles in degrees, over all engines: {'; '.join(said)}.",
         "The talk does not say how its two angles are formed. Read here: internal, the slope of the line through the "

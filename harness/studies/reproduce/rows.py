@@ -14,7 +14,7 @@ size.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -149,3 +149,14 @@ def _by_tolerance(deviation: float, tolerance: float, half: float | None) -> tup
     if abs(deviation) - half > tolerance:
         return "differs", "off by more than the tolerance, error bar included"
     return "inconclusive", f"the 95 % interval of the mean, +- {half:.3g}, reaches across the tolerance"
+
+
+def spanned(values: Iterable[float], form: str) -> str:
+    """Return the least and the largest of one number or more, in words; one number where they read the same.
+
+    >>> spanned([27.58, 22.9], ".1f"), spanned([27.58], ".1f"), spanned([-0.021, 0.3], "+.0%")
+    ('22.9 to 27.6', '27.6', '-2% to +30%')
+    """
+    known = list(values)
+    low, high = format(min(known), form), format(max(known), form)
+    return low if low == high else f"{low} to {high}"
