@@ -104,7 +104,8 @@ def _about(advice: Advice) -> str:
 
 def _command(advice: Advice) -> str:
     evidence = advice.evidence
+    engines = [] if evidence.engines is None else ["--engines", ",".join(evidence.engines)]
     return shlex.join([
         "grainproof", "advise", str(evidence.scene_file), "--quantity", evidence.quantity, "--tolerance",
-        f"{advice.tolerance:g}", "--from", evidence.source,
+        f"{advice.tolerance:g}", "--from", evidence.source, *engines,
     ])

@@ -14,7 +14,7 @@ COLOUR, TAKEN, FAR = "#1b6ca8", "#c8553d", "#8e5ea2"
 CAPTION = (
     "Ladders of the advised engine, a panel a knob: error against the knob's own limit, bars of one standard error, "
     "and the tolerance (grey). Round the rung that is taken a ring; dashed what was extrapolated; the scene's own "
-    "setting is filled."
+    "setting is filled; crossed out is what `scene` refuses."
 )
 
 
@@ -38,6 +38,8 @@ def _draw(ax, advice: Advice, ladder, taken) -> None:
         lambda r: r.value, lambda r: 100.0 * r.error, lambda r: 100.0 * r.bar
     ))
     ax.errorbar(x, y, yerr=bars, fmt="o-", ms=5, lw=0.9, elinewidth=0.9, capsize=2, color=COLOUR, mfc="white")
+    out = [r for r in ladder.rungs if r.value in ladder.beyond]
+    ax.plot([r.value for r in out], [100.0 * r.error for r in out], "x", ms=9, mew=1.6, color="#555555", zorder=5)
     own = ladder.own
     if own is not None:
         ax.plot([own.value], [100.0 * own.error], "o", ms=5, color=COLOUR, zorder=4)

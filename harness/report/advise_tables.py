@@ -9,6 +9,7 @@ from harness.studies.advise.study import told_errors
 
 if TYPE_CHECKING:
     from harness.studies.advise.choose import Choice
+    from harness.studies.advise.combine import Total
     from harness.studies.advise.study import Advice
 
 WHAT = {
@@ -27,12 +28,19 @@ def advice_rows(advice: Advice) -> list[dict]:
     choice = advice.answer
     if choice is None:
         return []
-    rows = [_engine_row(choice), *(_knob_row(advice, choice, knob) for knob in choice.rungs)]
+    rows = [_engine_row(advice, choice), *(_knob_row(advice, choice, knob) for knob in choice.rungs)]
     rows += [_row(WHAT[k], None, why) for k, why in advice.evidence.absent.items()]
     rows.append(_effects_row(advice, choice))
-    rows.append(_row("runs" if advice.evidence.free else "packings", advice.packings,
-                     "one run" if advice.evidence.free else "so that their mean is within the tolerance"))
+    rows.append(_packings_row(advice))
     return rows
+
+
+def _packings_row(advice: Advice) -> dict:
+    if advice.evidence.free:
+        return _row("runs", advice.packings, "one run")
+    if advice.choice is None:
+        return _row("packings", advice.packings, "those of the ladders; no number of them is known to be enough")
+    return _row("packings", advice.packings, "so that their mean is within the tolerance")
 
 
 def _row(what: str, value: object, known: str, **more) -> dict:
@@ -41,8 +49,9 @@ def _row(what: str, value: object, known: str, **more) -> dict:
     return {"what": what, "take": value, **empty, **more, "known from": known}
 
 
-def _engine_row(choice: Choice) -> dict:
-    return _row("engine", choice.engine, "the cheapest of those measured")
+def _engine_row(advice: Advice, choice: Choice) -> dict:
+    known = "the cheapest of those measured" if advice.choice else "the one with the smallest error of those measured"
+    return _row("engine", choice.engine, known)
 
 
 def _knob_row(advice: Advice, choice: Choice, knob: str) -> dict:
@@ -94,27 +103,26 @@ def sum_rows(advice: Advice) -> list[dict]:
     choice = advice.answer
     if choice is None:
         return []
-    packings = advice.packings
-    rows = [{
-        "setting": "advised" if advice.choice else "best known, does not keep the tolerance",
-        **_total(choice.total, packings), "packings": packings, "CPU of one (s)": choice.seconds,
-        "CPU of all (s)": choice.seconds * packings,
-    }]
+    setting = "advised" if advice.choice else "best known, does not keep the tolerance"
+    rows = [_sum_row(advice, setting, choice.total, advice.packings, choice.seconds)]
     if advice.declared is not None and choice.declared_seconds is not None:
         needed = advice.declared_packings
-        shown = needed or packings
-        rows.append({
-            "setting": "as declared" if needed else "as declared, does not keep the tolerance",
-            **_total(advice.declared, shown), "packings": shown, "CPU of one (s)": choice.declared_seconds,
-            "CPU of all (s)": choice.declared_seconds * shown,
-        })
+        setting = "as declared" if needed else "as declared, does not keep the tolerance"
+        rows.append(_sum_row(advice, setting, advice.declared, needed or advice.packings, choice.declared_seconds))
     return rows
 
 
-def _total(total, packings: int) -> dict:
-    return {
-        "expected error (%)": 100.0 * total.error(packings), "of it seen (%)": 100.0 * total.systematic,
-        "noise of the ladders (%)": 100.0 * total.noise, "scatter of one packing (%)": 100.0 * total.spread,
+def _sum_row(advice: Advice, setting: str, total: Total, packings: int, seconds: float) -> dict:
+    """Free scenes have one run, and no scatter over packings."""
+    row = {
+        "setting": setting, "expected error (%)": 100.0 * total.error(packings),
+        "of it seen (%)": 100.0 * total.systematic, "noise of the ladders (%)": 100.0 * total.noise,
+    }
+    if advice.evidence.free:
+        return row | {"CPU of all phases (s)": seconds}
+    return row | {
+        "scatter of one packing (%)": 100.0 * total.spread, "packings": packings, "CPU of one (s)": seconds,
+        "CPU of all (s)": seconds * packings,
     }
 
 
@@ -130,7 +138,8 @@ def ladder_rows(advice: Advice) -> list[dict]:
             rows.append({
                 "knob": knob, "setting": _number(knob, rung.value), "error (%)": 100.0 * rung.error,
                 "standard error (%)": 100.0 * rung.bar, "CPU (s)": rung.seconds,
-                "taken": "told, not counted" if knob in told else "taken" if taken else "",
+                "taken": "told, not counted" if knob in told else "taken" if taken else
+                         "refused by `scene`" if rung.value in ladder.beyond else "",
                 "as declared": "yes" if rung.declared else "",
             })
     return rows

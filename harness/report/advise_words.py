@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from harness.studies.advise.study import told_errors
 
 if TYPE_CHECKING:
+    from harness.studies.advise.evidence import Evidence
     from harness.studies.advise.study import Advice
 
 COMBINED = (
@@ -52,7 +53,18 @@ def limits(advice: Advice) -> list[str]:
             found.append(f"{', '.join(choice.extrapolated)} lies beyond what was run: climb that rung to be sure.")
         failed = {k: evidence.ladders[choice.engine][k].failed for k in choice.rungs}
         found += [f"Rungs of {k} without an error: {', '.join(f)}." for k, f in failed.items() if f]
+    found += refused(evidence, None if choice is None else choice.engine)
     return found
+
+
+def refused(evidence: Evidence, engine: str | None) -> list[str]:
+    """Name the measured steps that were not looked at, as no scene can have them."""
+    ladders = evidence.ladders.get(engine) if engine else next(iter(evidence.ladders.values()), None)
+    return [
+        f"{knob} {', '.join(f'{v:.4g}' for v in la.beyond)}: refused by `scene`, beyond its stability limit of "
+        f"{la.largest:.3g}; measured, and not advised whatever their error."
+        for knob, la in (ladders or {}).items() if la.beyond
+    ]
 
 
 def _take(advice: Advice) -> str:
@@ -101,7 +113,8 @@ def _against(advice: Advice) -> str:
     ratio = choice.declared_seconds * needed / (choice.seconds * choice.packings)
     if ratio < 1.0 + 1e-9:
         return "The scene as declared does it as fast."
-    return f"The scene as declared would need {ratio:.2g} times as long ({needed} packing{'s' * (needed > 1)})."
+    many = "" if advice.evidence.free else f" ({needed} packing{'s' * (needed > 1)})"
+    return f"The scene as declared would need {ratio:.2g} times as long{many}."
 
 
 def _basis(advice: Advice) -> str:

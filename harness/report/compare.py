@@ -14,7 +14,7 @@ from harness.report.junit import junit_xml
 from harness.report.page import render_page
 from harness.report.places import PLACES, place_rows, place_sections
 from harness.report.tables import Answer, csv_text
-from harness.report.watch import watch_matrix, watch_rows, watch_sections
+from harness.report.watch import REMARKS, remark_rows, watch_matrix, watch_rows, watch_sections
 from harness.scene.model import Biaxial, Couette, Free
 
 if TYPE_CHECKING:
@@ -39,6 +39,7 @@ def compare_answer(comparison: Comparison) -> Answer:
     tables = {"Runs": run_rows(comparison), "Verdicts": check_rows(comparison)}
     if any(r.watch for r in comparison.all_runs):
         tables["Watch, largest sizes"] = watch_matrix(comparison.all_runs)
+        tables[REMARKS] = remark_rows(comparison.all_runs)
     places = place_rows(comparison.words)
     if places:
         tables[PLACES] = places
@@ -57,7 +58,7 @@ def write_report(comparison: Comparison, out: Path) -> Written:
     out.mkdir(parents=True, exist_ok=True)
     tables = {"checks": check_rows(comparison), "runs": run_rows(comparison), **_kind(comparison).tables(comparison)}
     if any(r.watch for r in comparison.all_runs):
-        tables["watch"] = watch_rows(comparison.all_runs)
+        tables |= {"watch": watch_rows(comparison.all_runs), "remarks": remark_rows(comparison.all_runs)}
     sections = [
         *opening_sections(comparison.checks, comparison.all_runs),
         *_kind(comparison).sections(comparison),
@@ -88,7 +89,7 @@ PICTURE, PAGE, DATA, JUNIT = "overview.png", "report.html", "report.json", "juni
 
 def check_report_places(out: Path) -> None:
     """Raise InputError when a folder stands where a file of the report goes: before anything is run."""
-    tables = ("checks", "runs", "watch", *(name for kind in KINDS.values() for name in kind.TABLES))
+    tables = ("checks", "runs", "watch", "remarks", *(name for kind in KINDS.values() for name in kind.TABLES))
     names = (PICTURE, PAGE, DATA, JUNIT, *(f"{name}.csv" for name in tables))
     refuse_folders(out, names)
 

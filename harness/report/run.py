@@ -6,13 +6,14 @@ from typing import TYPE_CHECKING
 
 from harness.report.free import collision_table, exit_table
 from harness.report.tables import Answer, csv_text
+from harness.report.watch import REMARKS
 from harness.scene.model import Free
 from postproc.results import headed
 
 if TYPE_CHECKING:
     from harness.studies.single import SingleRun
 
-TITLES = {"run": "Run", "exits": "Exit values", "collisions": "Collisions", "watch": "Watch"}
+TITLES = {"run": "Run", "exits": "Exit values", "collisions": "Collisions", "watch": "Watch", "remarks": REMARKS}
 """What is shown to people; the trajectory is in the files only."""
 
 
@@ -29,7 +30,7 @@ def run_answer(run: SingleRun) -> Answer:
     if run.trajectory is not None and isinstance(run.scene, Free):
         tables |= free_tables(run)
     if run.watch is not None:
-        tables["watch"] = run.watch.rows()
+        tables |= {"watch": run.watch.rows(), "remarks": run.watch.remark_rows()}
     shown = {title: tables[name] for name, title in TITLES.items() if name in tables}
     return Answer(tables=shown, data=tables)
 
@@ -51,13 +52,16 @@ WATCH_PAGE = "watch.html"
 
 def _watch_page(run: SingleRun) -> str:
     from harness.report.page import Section, render_page
-    from harness.report.watch import NOTE, energy_panel
+    from harness.report.watch import NOTE, REMARKS_NOTE, energy_panel
     from harness.runs.outcome import describe_outcome
 
     figures = (energy_panel(run.engine, run.watch),) if run.watch.of_frames else ()
     return render_page(
         title=f"Watched: {run.scene.title}", lead=describe_outcome(run.outcome),
-        sections=[Section(heading="Watch", note=NOTE, rows=run.watch.rows(), figures=figures)],
+        sections=[
+            Section(heading=REMARKS, note=REMARKS_NOTE, rows=run.watch.remark_rows()),
+            Section(heading="Watch", note=NOTE, rows=run.watch.rows(), figures=figures),
+        ],
     )
 
 

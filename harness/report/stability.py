@@ -22,8 +22,9 @@ NAMES = Names(stem="stability", tables=TABLES)
 MATRIX_NOTE = (
     "Stable: every invariant held. Degraded: one is beyond its tolerance, and the answer still means something. "
     "Failed loudly: the code stopped and said why. Failed silently: the code ended as if all were well, and it was "
-    "not; the harness found it. Refused: the scene is turned down before anything runs. Beside the word stands the "
-    "invariant that used most of its tolerance."
+    "not; the harness found it. Timed out: the harness ended it at the time limit, and nothing is known of the rest. "
+    "Refused: the scene is turned down before anything runs. Unsupported: the code has not the law. Beside the word "
+    "stands the invariant that used most of its tolerance."
 )
 SILENT_NOTE = "These runs ended with status 0 and no message. What they leave behind must not be used."
 INVARIANT_NOTE = (
@@ -74,11 +75,17 @@ def summary(stability: Stability) -> str:
     """Return one line: how many cases, how many ended otherwise than declared, how many silently."""
     silent = sum(r.ended == "failed_silently" for r in stability.results)
     other = len(stability.surprises)
+    late = sum(r.ended == "timed_out" for r in stability.results)
     return (
-        f"{len(stability.cases)} hard cases on {', '.join(stability.engines)}: "
+        f"{len(stability.cases)} hard case{'s' * (len(stability.cases) != 1)} on {', '.join(stability.engines)}: "
         f"{'all ended as declared' if not other else f'{other} ended otherwise than declared'}; "
-        f"{'no run' if not silent else f'{silent} runs' if silent > 1 else 'one run'} failed without a word of the code"
+        f"{_runs(silent)} failed without a word of the code"
+        f"{f'; {_runs(late)} met the time limit' if late else ''}"
     )
+
+
+def _runs(count: int) -> str:
+    return "no run" if not count else "one run" if count == 1 else f"{count} runs"
 
 
 def _sections(stability: Stability, figures: tuple[Figure, ...]) -> list[Section]:

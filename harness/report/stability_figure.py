@@ -2,29 +2,39 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from harness.report.figures import line_style
-from harness.report.stability_tables import nearest_limit
+from harness.report.stability_tables import share
 
 if TYPE_CHECKING:
     from harness.studies.stability.study import Stability
 
 FILLS = {
     "stable": "#bfe3c8", "refused": "#cfe0f3", "degraded": "#f6dd8f", "failed_loudly": "#f2b06b",
-    "failed_silently": "#d9534f", "unsupported": "#e6e6e6", "unavailable": "#ffffff",
+    "failed_silently": "#d9534f", "timed_out": "#d7c3ec", "unsupported": "#e6e6e6", "unavailable": "#ffffff",
 }
 MARKS = {
-    "stable": "stable", "refused": "refused", "degraded": "degraded", "failed_loudly": "stopped, said why",
-    "failed_silently": "SILENT", "unsupported": "unsupported", "unavailable": "not here",
+    "stable": "stable", "refused": "refused", "degraded": "degraded", "failed_loudly": "failed loudly",
+    "failed_silently": "FAILED SILENTLY", "timed_out": "timed out", "unsupported": "unsupported",
+    "unavailable": "unavailable",
 }
 SMALLEST = 1e-6
 """Share of a tolerance below which points are drawn at the edge."""
 
+BROKEN_SIDE = 10.0
+"""Share up to which the scale goes at least, so that beyond 1 there is room."""
+
+EDGE, BEYOND = 0.985, " beyond every scale"
+"""Where arrows stand, as a part of the panel's width, and the name of their line."""
+
 CAPTION = (
     "Left: how each case ended on each code; a frame marks what is not as declared. Right: the invariant that used "
-    "most of its tolerance, on a logarithmic scale; beyond 1 it is broken. Cases without a point have no tolerance "
-    "above 0, or did not run to their end."
+    "most of its tolerance, on a logarithmic scale; beyond 1 it is broken. Of a degraded or silently failed case the "
+    "one that broke; an arrow at the right edge where its share is infinite (its tolerance is 0: nothing may pass "
+    "through anything, say) or nothing could be measured. Cases without a point hold and have no tolerance above 0, "
+    "or did not run to their end."
 )
 
 
@@ -33,7 +43,7 @@ def stability_figure(stability: Stability):
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(11.5, 1.6 + 0.21 * len(stability.cases)), layout="constrained")
+    figure = Figure(figsize=(11.5, 1.8 + 0.21 * len(stability.cases)), layout="constrained")
     FigureCanvasAgg(figure)
     left, right = figure.subplots(1, 2, sharey=True, width_ratios=(1.15, 1.0))
     _draw_endings(left, stability)
@@ -64,19 +74,19 @@ def _draw_endings(axes, stability: Stability) -> None:
 def _draw_shares(axes, stability: Stability) -> None:
     marks = dict(zip(stability.engines, "osD^v<>*", strict=False))
     for engine in stability.engines:
-        points = [(row, _share(stability, c.name, engine)) for row, c in enumerate(stability.cases)]
-        known = [(row, max(share, SMALLEST)) for row, share in points if share is not None]
-        axes.plot([s for _, s in known], [r for r, _ in known], marks.get(engine, "o"), ms=5, alpha=0.75,
-                  color=line_style(engine)["color"], label=engine)
+        points = [(row, share(stability.of(c.name, engine))) for row, c in enumerate(stability.cases)]
+        known = [(row, max(s, SMALLEST)) for row, s in points if s is not None and math.isfinite(s)]
+        colour = line_style(engine)["color"]
+        axes.plot([s for _, s in known], [r for r, _ in known], marks.get(engine, "o"), ms=5, alpha=0.75, color=colour,
+                  label=engine)
+        beyond = [row for row, s in points if s == math.inf]
+        turn = 0.3 * (stability.engines.index(engine) - (len(stability.engines) - 1) / 2)
+        axes.plot([EDGE] * len(beyond), [r + turn for r in beyond], ">", ms=7, color=colour, mec="#b3201c", mew=1.0,
+                  clip_on=False, transform=axes.get_yaxis_transform(), label=f"_{engine}{BEYOND}")
     axes.set_xscale("log")
     axes.axvline(1.0, color="#b3201c", lw=1.0)
-    axes.set_xlim(SMALLEST / 2, None)
+    axes.set_xlim(SMALLEST / 2, max(axes.get_xlim()[1], BROKEN_SIDE))
     axes.grid(axis="both", color="#e4e4e4", lw=0.6)
     axes.set_axisbelow(True)
     axes.set_xlabel("largest invariant over its tolerance")
     axes.legend(fontsize=8, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=len(stability.engines), frameon=False)
-
-
-def _share(stability: Stability, case: str, engine: str) -> float | None:
-    near = nearest_limit(stability.of(case, engine).held)
-    return None if near is None else near.size / near.tolerance

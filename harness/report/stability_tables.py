@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from harness.report.matrix import Cell, Line, Matrix
 from harness.report.tables import text
+from harness.studies.stability.judge import worst
 
 if TYPE_CHECKING:
     from harness.studies.stability.cases import Case
@@ -69,7 +70,9 @@ def outcome_table(stability: Stability) -> list[dict]:
 
 def count_rows(stability: Stability) -> list[dict]:
     """How many cases ended how, an engine a row."""
-    words = ("stable", "degraded", "failed_loudly", "failed_silently", "refused", "unsupported", "unavailable")
+    words = (
+        "stable", "degraded", "failed_loudly", "failed_silently", "timed_out", "refused", "unsupported", "unavailable",
+    )
     ended = {e: [r.ended for r in stability.results if r.engine == e] for e in stability.engines}
     return [{"engine": e, **{w.replace("_", " "): found.count(w) for w in words}} for e, found in ended.items()]
 
@@ -85,13 +88,29 @@ def outcome_matrix(stability: Stability) -> Matrix:
 
 def note(result: Result) -> str:
     """Return what stands beside the word: the invariant that says most, with its size."""
-    from harness.studies.stability.judge import worst
-
     bad = worst(result.held)
     if bad is not None:
         return f"{bad.invariant} {text(bad.size)} > {text(bad.tolerance)}"
     near = nearest_limit(result.held)
     return "" if near is None else f"{near.invariant} {text(near.size)} of {text(near.tolerance)}"
+
+
+def broken(result: Result) -> bool:
+    """Whether a run that came to its end, or seemed to, is not what was promised."""
+    return result.ended in ("degraded", "failed_silently")
+
+
+def share(result: Result) -> float | None:
+    """Return how much of its tolerance the invariant used that says most; of a broken case the one that broke.
+
+    Infinite where the tolerance is 0, the size is no number, or no invariant could be measured at all. None of a run
+    that was refused or ended early, and where no tolerance is above 0.
+    """
+    if broken(result):
+        bad = worst(result.held)
+        return math.inf if bad is None else bad.excess
+    near = nearest_limit(result.held)
+    return None if near is None else near.excess
 
 
 def nearest_limit(held: Sequence[Held]) -> Held | None:

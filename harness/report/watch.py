@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from harness.report.page import Figure, Section
 from harness.report.panels import panel
+from harness.studies.watch.remarks import ENERGY, OVERLAP
 
 if TYPE_CHECKING:
     from harness.studies.watch import Watch
@@ -15,6 +16,13 @@ NOTE = (
     "Of every run the largest size over its frames, read from what it recorded anyway: watching alters nothing, and "
     "what happens between two frames is not seen. dissipated = E(0) + work of walls - E(t); where it falls, energy was "
     "made (by the integration, or by the law), beyond what the work is known to."
+)
+REMARKS = "Remarks of the watch"
+REMARKS_NOTE = (
+    "With a remark the run is not to be trusted; none says only that the frames show nothing of it. Remarked are pairs "
+    f"that passed through each other between two frames, overlaps beyond {OVERLAP:g} of the smaller radius (beyond 1 a "
+    f"centre lies inside another body or behind a wall), and energy made beyond {100 * ENERGY:g} % of the largest "
+    "energy of the run, the leapfrog's own swing (dt/dt_max)^2 and the error of the walls' work."
 )
 ENERGIES = {
     "kinetic energy": "#1b6ca8", "rotational energy": "#3fa34d", "elastic energy, normal": "#c8553d",
@@ -52,12 +60,22 @@ def watch_matrix(runs: Sequence[WatchedRun]) -> list[dict]:
     ]
 
 
+def remark_rows(runs: Sequence[WatchedRun]) -> list[dict]:
+    """Return a row a remark of every watched run."""
+    return [
+        {"engine": r.engine, "packing": r.packing + 1, **row} for r in runs if r.watch for row in r.watch.remark_rows()
+    ]
+
+
 def watch_sections(runs: Sequence[WatchedRun]) -> list[Section]:
-    """Return the page's section; none when nothing was watched."""
+    """Return the page's sections; none when nothing was watched."""
     if not any(r.watch for r in runs):
         return []
     figures = tuple(energy_panel(r.engine, r.watch) for r in runs if r.watch and r.packing == 0 and r.watch.of_frames)
-    return [Section(heading="Watch", note=NOTE, rows=watch_matrix(runs), figures=figures)]
+    return [
+        Section(heading=REMARKS, note=REMARKS_NOTE, rows=remark_rows(runs)),
+        Section(heading="Watch", note=NOTE, rows=watch_matrix(runs), figures=figures),
+    ]
 
 
 def energy_panel(engine: str, watch: Watch) -> Figure:

@@ -137,8 +137,9 @@ def describe_outcome(outcome: Outcome) -> str:
         line = f"{head}: {outcome.reason}"
     else:
         where = f"after step {outcome.steps_done} of {outcome.steps}"
-        words = f"; last words: {outcome.last_lines[-1]}" if outcome.last_lines else ""
-        line = f"{head} {where}: {outcome.reason}{words}{tail}; reproduce: {outcome.reproduce}"
+        reason, last = outcome.reason.removeprefix(f"{outcome.status}: "), outcome.last_lines[-1:]
+        words = f"; last words: {last[0]}" if last and reason not in last[0] and last[0] not in reason else ""
+        line = f"{head} {where}: {reason}{words}{tail}; reproduce: {outcome.reproduce}"
     return " ".join(line.split())
 
 

@@ -64,9 +64,11 @@ class _Planned:
         return self.folder.path.exists() and not self.folder.outcome.exists()
 
     def last_words(self, outcome: Outcome) -> str:
-        """Say how the run ended, and of one that is older than this call that it was kept."""
+        """Say how the run ended, and of one that is older than this call that it was kept; no name twice."""
         kept = f"kept, made {outcome.finished:%Y-%m-%d %H:%M} UTC: " if outcome.started < self.since else ""
-        return f"{self.job.label}: {kept}{describe_outcome(outcome)}"
+        named = (outcome.scene_name, outcome.engine, f"{outcome.scene_name}, {outcome.engine}")
+        label = "" if self.job.label in named else f"{self.job.label}: "
+        return f"{label}{kept}{describe_outcome(outcome)}"
 
     def lost(self, error: BaseException) -> Outcome:
         """Return the outcome of a run whose worker is gone; its folder is unfinished, the next call makes it."""

@@ -36,6 +36,12 @@ class SingleRun:
     trajectory: Trajectory | None
     watch: Watch | None = None
 
+    @property
+    def exit_status(self) -> int:
+        """1 when it did not complete, or was watched and is not to be trusted."""
+        remarked = self.watch is not None and bool(self.watch.remarks)
+        return 0 if self.outcome.status == "completed" and not remarked else 1
+
 
 def single_run(
     scene_file: Path, engine: Engine, out: Path, *, time_limit: float, progress: Callable[[], Progress] | None = None,

@@ -19,8 +19,8 @@ def add(verbs) -> None:
                       help="folder of a finished grainproof accuracy; without it one is run")
     verb.add_argument("--effects-from", type=as_folder, metavar="DIR",
                       help="folder of a finished grainproof effects; without either one is run")
-    add_names(verb, "engine", "of the studies that are run; default: theirs")
-    verb.add_argument("--packings", type=as_count, metavar="N", help="of the studies that are run; default: theirs")
+    add_names(verb, "engine", "to run, with --from to choose among; default: the studies' own")
+    verb.add_argument("--packings", type=as_count, metavar="N", help="of the studies that are run; not with --from")
     verb.add_argument("--workers", type=as_count, metavar="N", help="runs at a time; default: the number of cores")
     verb.add_argument("--out", type=as_folder, default=Path("out/advise"), metavar="DIR", help="default: %(default)s")
     verb.add_argument("--time-limit", type=as_seconds, default=3600.0, metavar="S", help="a run; default: %(default)g")
@@ -33,13 +33,15 @@ def _advise(options) -> int:
     from harness.studies.advise import advise, read_evidence
     from harness.studies.effects.asked import asked_quantities, asked_tolerance
 
+    _require_no_packings(options)
     scene = load_scene(options.file)
     tolerance = asked_tolerance(scene, options.tolerance)
     asked_quantities(scene, [options.quantity] if options.quantity else None)
     NAMES.check(options.out)
     ladders, effects = _studies(options)
     evidence = read_evidence(
-        scene, options.file, quantity=options.quantity, folder=ladders, effects=effects, tolerance=tolerance
+        scene, options.file, quantity=options.quantity, folder=ladders, effects=effects, tolerance=tolerance,
+        engines=options.engines if options.source is not None else None,
     )
     advice = advise(evidence, tolerance)
     page = write_advice(advice, options.out)
@@ -47,6 +49,17 @@ def _advise(options) -> int:
     if options.json != "-":
         print("\n".join([paragraph(advice), *limits(advice), f"report: {page}"]))
     return advice.exit_status
+
+
+def _require_no_packings(options) -> None:
+    """A finished study has the packings that it has."""
+    from harness.errors import InputError
+
+    if options.source is not None and options.packings is not None:
+        raise InputError(
+            file="--packings", expected="nothing beside --from", got=options.packings,
+            fix="the ladders there have packings of their own; run grainproof accuracy with other ones",
+        )
 
 
 def _studies(options) -> tuple[Path, Path | None]:

@@ -34,7 +34,8 @@ def add_watch(verb: argparse.ArgumentParser) -> None:
     """Energies, momentum, overlaps and displacements of every run, read from what it records anyway."""
     verb.add_argument(
         "--watch", action="store_true",
-        help="energies, momentum, largest overlap and displacement of every run; the run is not altered",
+        help="energies, momentum, largest overlap and displacement of every run, and remarks on what cannot be, with "
+        "one of which `run` exits 1; the run is not altered",
     )
 
 

@@ -25,8 +25,8 @@ def _frontier(options) -> int:
 
     from harness.places import check_file
     from harness.report.frontier import NAMES, frontier_answer, write_frontier, write_scene_table
-    from harness.report.frontier_tables import summary
     from harness.report.frontier_expected import announcement
+    from harness.report.frontier_tables import summary
     from harness.runs.progress import progress_for
     from harness.studies.frontier import frontiers
 

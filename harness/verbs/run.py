@@ -33,4 +33,7 @@ def _run(options) -> int:
         )
     write_run_files(done)
     show(run_answer(done), options)
-    return 0 if done.outcome.status == "completed" else 1
+    if done.watch is not None and options.json != "-":
+        for remark in done.watch.remarks:
+            print(f"not to be trusted: {remark.what}: {remark.says}")
+    return done.exit_status

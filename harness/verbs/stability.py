@@ -12,7 +12,7 @@ OUT = Path("out/stability")
 
 def add(verbs) -> None:
     """Declare the verb."""
-    verb = add_verb(verbs, "stability", _stability, "hard cases: is each code stable there, or does it say so?")
+    verb = add_verb(verbs, "stability", _stability, "hard cases: whether each code is stable there, or says so")
     verb.add_argument("cases", nargs="*", metavar="CASE", help="cases or topics; default: the standard set")
     verb.add_argument("--list", action="store_true", help="name the cases and what they stand for, run nothing")
     verb.add_argument("--long", action="store_true", help="also the cases that take minutes")

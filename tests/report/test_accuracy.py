@@ -31,7 +31,7 @@ def point(value, size, step):
     lost = value == 0.64
     errors = {} if lost else {"exit": size * PHASES, "velocity": 0.6 * size * PHASES, "spin": 0.8 * size * PHASES}
     return Point(
-        value=value, dt=1e-5 * value, steps=steps, status="unstable" if lost else "completed",
+        rung=value, value=value, dt=1e-5 * value, steps=steps, status="unstable" if lost else "completed",
         reason="kinetic energy grew by <30> %" if lost else "", errors=errors,
         seconds=None if lost or step is None else step * steps, process_seconds=0.1,
     )
@@ -76,6 +76,40 @@ def test_the_budget_names_the_cheapest_of_all_and_of_each(made):
     assert rows[0.1, "lammps@1"]["cheapest"] is None
 
 
+def coarse(made):
+    """The rung of 0.04 ran as 0.038, beyond a limit of 0.03; that of 0.01 as 0.0095."""
+    from dataclasses import replace
+
+    ran, beyond = {0.04: 0.038, 0.01: 0.0095}, {0.04: 0.03}
+    return replace(made, tracks=tuple(
+        replace(t, points=tuple(replace(p, value=ran.get(p.rung, p.rung), beyond=beyond.get(p.rung))
+                                for p in t.points)) for t in made.tracks
+    ))
+
+
+def test_the_step_that_ran_is_the_one_that_is_told(made):
+    found = coarse(made)
+    rows = {(r["error below"], r["of"]): r for r in tables(found)["budget"]}
+    row = rows[0.01, "lammps"]
+    assert (row["dt_fraction"], row["times faster than the scene's step"]) == (0.02, pytest.approx(0.02 / 0.0095))
+    assert "50 steps a contact" in row["gives up"]
+    told = [(r["rung"], r["dt_fraction"]) for r in tables(found)["points"] if r["engine"] == "lammps"]
+    assert told == [(0.64, 0.64), (0.04, 0.038), (0.02, 0.02), (0.01, 0.0095), (0.005, 0.005)]
+    assert "At the scene's own step, dt_fraction = 0.01, errors are" in paragraph(found)
+
+
+def test_steps_that_scene_refuses_are_measured_and_not_recommended(made):
+    found = coarse(made)
+    for name in ("budget", "front"):
+        assert 0.04 in {r["dt_fraction"] for r in tables(made)[name]}
+        assert not {0.04, 0.038} & {r["dt_fraction"] for r in tables(found)[name]}
+    row = next(r for r in tables(found)["points"] if r["rung"] == 0.04)
+    assert (row["status"], row["beyond the scene's limit of"]) == ("completed", 0.03)
+    words = paragraph(found)
+    assert "Beyond the scene's limit of 0.03, so measured and shown, but in no budget and on no front: " in words
+    assert "lammps, kernel:corrected, lammps@1 at 0.038 (dt_fraction)." in words
+
+
 def test_what_is_not_timed_is_not_on_the_front(made):
     front = tables(made)["front"]
     assert {r["engine"] for r in front} == {"lammps", "kernel:corrected"}
@@ -90,7 +124,8 @@ def test_words_are_made_of_the_numbers(made):
     assert "At the scene's own step, dt_fraction = 0.01, errors are: lammps 0.3 %" in words
     assert "Cheapest rung below 1 %: lammps at dt_fraction = 0.02, 0.4 ms." in words
     assert "these give answers that are 0.02 % (lammps) from those of the talk's laws" in words
-    assert "No answer: lammps at 0.64; kernel:corrected at 0.64; lammps@1 at 0.64 (dt_fraction)." in words
+    lost = "(kinetic energy grew by <30> %)"
+    assert f"No answer: lammps at 0.64 {lost}; kernel:corrected at 0.64 {lost}; lammps@1 at 0.64 {lost}." in words
 
 
 def test_a_slope_that_tells_nothing_is_not_told(made):
@@ -127,6 +162,22 @@ def test_all_files_hold_the_same(made, tmp_path):
     assert data["words"] == paragraph(made)
     assert len(data["errors"]) == 3 * (len(VALUES) - 1)
     assert accuracy_answer(made).data["phases"] == 8
+
+
+def test_advice_names_the_same_step(made, tmp_path):
+    from harness.report.accuracy import SCHEMA
+    from harness.studies.advise import advise, read_evidence
+    from harness.studies.advise.files import FREE_SCHEMA
+
+    assert SCHEMA == FREE_SCHEMA
+    found = coarse(made)
+    write_accuracy(found, tmp_path)
+    evidence = read_evidence(made.scene, FILE, quantity=None, folder=tmp_path, effects=None, tolerance=0.01)
+    row = next(r for r in tables(found)["budget"] if (r["error below"], r["of"]) == (0.01, "all"))
+    choice = advise(evidence, 0.01).choice
+    assert (choice.engine, choice.rungs["dt"].value) == (row["cheapest"], row["dt_fraction"])
+    assert evidence.ladders["lammps"]["dt"].own.value == 0.0095
+    assert evidence.ladders["lammps"]["dt"].beyond == (0.038,)
 
 
 def test_pictures_are_the_same_every_time(made, tmp_path):

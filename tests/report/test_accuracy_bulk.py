@@ -86,8 +86,8 @@ def test_the_budget_names_the_cheapest_of_each_knob(made):
     assert rows[0.01, "rate"]["cheapest"] is None
     assert rows[0.01, "rate"]["gives up"].startswith("the finest rungs are off by 2")
     assert rows[0.01, "dt"]["gives up"] == "nothing that stands out of the noise"
-    floored = "nothing that stands out of the noise; the mean over packings itself is known to 0.98 % only: 7"
-    assert rows[0.001, "dt"]["gives up"].startswith(floored)
+    floored = "nothing that stands out of the noise; the friction_angle itself, mean over "
+    assert rows[0.001, "dt"]["gives up"].startswith(f"{floored}packings, is known to 0.98 % only: 7")
     every = [r for r in rows_of(made, "budget") if r["of"] == "liggghts" and r["knob"] == "stiffness"]
     assert [r["cheapest"] for r in every] == ["liggghts", "liggghts", None]
 
@@ -105,7 +105,64 @@ def test_slopes_against_time_follow_from_orders(made):
 def test_failed_rungs_are_told_with_their_reason(made):
     (row, *_) = [r for r in rows_of(made, "rungs") if r["status"] == "crashed"]
     assert (row["reason"], row["CPU (s)"], row["error"]) == ("<no> answer", None, None)
-    assert "No answer: rate = 8 on lammps (crashed)" in bulk_paragraph(made)
+    assert "No answer: rate = 8 on lammps (crashed: <no> answer)" in bulk_paragraph(made)
+
+
+def barred(made):
+    """Steps longer than declared are beyond the scene's limit."""
+    return replace(made, ladders=tuple(
+        replace(la, rungs=tuple(replace(r, beyond=0.0536 if la.knob.name == "dt" and r.value > 0.045 else None)
+                                for r in la.rungs)) for la in made.ladders
+    ))
+
+
+def test_steps_that_scene_refuses_are_shown_and_not_recommended(made):
+    before = [r for r in shown_budget(made) if r["knob"] == "dt" and r["error below"] == 0.1]
+    assert [r["setting"] for r in before] == ["0.36"]
+    study = barred(made)
+    rows = [r for r in shown_budget(study) if r["knob"] == "dt" and r["error below"] == 0.1]
+    assert [r["setting"] for r in rows] == ["0.045"]
+    refused = ("0.36", "0.18", "0.09")
+    assert not [r for r in rows_of(study, "front") if r["knob"] == "dt" and r["setting"] in refused]
+    rungs = [r for r in rows_of(study, "rungs") if r["knob"] == "dt"]
+    assert [r["beyond the scene's limit of"] for r in rungs[:4]] == [0.0536] * 3 + [None]
+    assert all(r["CPU (s)"] for r in rungs), "measured all the same"
+    words = bulk_paragraph(study)
+    assert "Dt = 0.36, 0.18, 0.09: beyond the scene's limit of 0.0536, so measured and shown, but in no budget" in words
+    assert "saved by dt" not in words
+    data = [r for r in bulk_data(study)["rows"] if r["knob"] == "dt" and r["kind"] == "measured"]
+    assert {r["value"]: r["beyond_limit"] for r in data} == {0.36: 0.0536, 0.18: 0.0536, 0.09: 0.0536, 0.045: None}
+
+
+def test_every_rung_without_the_quantity_has_a_cross(made):
+    """One that crashed, and one that completed on samples without an angle."""
+    from harness.report.accuracy_bulk_figure import bulk_figure
+
+    def without(rung):
+        return replace(rung, values={k: v for k, v in rung.values.items() if k != ANGLE})
+
+    ladders = tuple(
+        replace(la, rungs=(without(la.rungs[0]), *la.rungs[1:])) if la.knob.name == "stiffness" else la
+        for la in made.ladders
+    )
+    figure = bulk_figure(replace(made, ladders=ladders))
+    for knob, expected in (("rate", 2), ("stiffness", 2), ("dt", 0)):
+        axes = figure.axes[len(made.knobs) + 1 + made.knobs.index(knob)]
+        crosses = [len(line.get_xdata()) for line in axes.lines
+                   if line.get_marker() == "x" and line.get_transform() == axes.get_xaxis_transform()]
+        assert sum(crosses) == expected, knob
+
+
+def test_columns_name_their_units(made):
+    first = rows_of(made, "rungs")[0]
+    assert {"friction_angle (deg)", "friction_angle (deg) +-"} <= set(first)
+    assert ANGLE not in first
+
+
+def test_the_load_is_the_machines(made):
+    from harness.report.accuracy_bulk import bulk_summary
+
+    assert "load of the machine, these runs and all else on it, up to 2.0 when a run began" in bulk_summary(made)
 
 
 def test_the_words_are_made_of_the_numbers(made):
@@ -157,6 +214,17 @@ def test_all_files_hold_the_same(made, tmp_path):
     assert set(bulk_answer(made).tables) == {"Cheapest settings", "Orders and limits", "Floor", "Rungs"}
 
 
+def test_advice_reads_what_is_written(made, tmp_path):
+    from harness.studies.advise import advise, read_evidence
+    from harness.studies.advise.files import BULK_SCHEMA
+
+    assert SCHEMA == BULK_SCHEMA
+    write_bulk(barred(made), tmp_path)
+    evidence = read_evidence(made.scene, FILE, quantity=None, folder=tmp_path, effects=None, tolerance=0.1)
+    assert evidence.ladders["lammps"]["dt"].beyond == (0.09, 0.18, 0.36)
+    assert advise(evidence, 0.1).choice.rungs["dt"].value == 0.045
+
+
 def test_a_study_without_any_answer_is_drawn_too(made, tmp_path):
     """Every rung lost: no limit, no floor, nothing to be drawn but crosses."""
     lost = tuple(
@@ -174,6 +242,17 @@ def test_a_folder_in_the_way_is_found_before(tmp_path):
     (tmp_path / "rungs.csv").mkdir()
     with pytest.raises(InputError, match="got a folder"):
         BULK_NAMES.check(tmp_path)
+
+
+@pytest.mark.parametrize(("scene", "words", "says"), [
+    ("oblique_impact.toml", {"packings": 3}, "--packings: expected nothing"),
+    ("biaxial_quick.toml", {"phases": 3}, "--phases: expected nothing"),
+    ("head_on.toml", {"quantity": "spin"}, "no law of this scene turns bodies"),
+])
+def test_what_cannot_be_is_refused_before_a_time_is_told(scene, words, says):
+    none = dict.fromkeys(("knob", "ladder", "quantity", "packings", "phases", "workers"))
+    with pytest.raises(InputError, match=says):
+        announcement(FOLDER / scene, **none | words, engines=["kernel:talk"])
 
 
 def test_time_is_told_before():

@@ -2,13 +2,15 @@
 
 import csv
 import json
+import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from harness.errors import InputError
 from harness.report.stability import NAMES, stability_answer, summary, write_stability
-from harness.report.stability_figure import stability_figure
+from harness.report.stability_figure import BEYOND, stability_figure
 from harness.report.stability_tables import TABLES, note, outcome_table, tables
 from harness.runs.outcome import Host
 from harness.scene.expect import Expect, Invariant
@@ -99,6 +101,41 @@ def test_the_figure_frames_what_is_not_as_declared(made):
     assert len(framed) == 1
     points = {line.get_label(): line.get_xdata() for line in right.lines}
     assert list(points["lammps"]) == pytest.approx([0.1, 500.0])
+
+
+@pytest.mark.parametrize(("ended", "broke", "beyond"), [
+    ("failed_silently", Held(invariant="order", size=1.0, tolerance=0.0, ruin=0.0, says="passed through"), True),
+    ("failed_silently", None, True),
+    ("degraded", Held(invariant="order", size=math.nan, tolerance=1e-3, ruin=0.1, says="passed through"), True),
+    ("stable", Held(invariant="order", size=0.0, tolerance=0.0, ruin=0.0, says="passed through"), False),
+])
+def test_a_failed_case_never_has_a_point_that_looks_healthy(made, ended, broke, beyond):
+    """Its energy, 3e-5 of the tolerance, is not shown: the order of neighbours broke, or nothing could be read."""
+    fine = replace(held(3e-8), size=3e-8)
+    bad = replace(
+        made.of("good", "lammps"), ended=ended, held=(fine, broke) if broke else (fine,) if ended == "stable" else ()
+    )
+    changed = replace(made, results=(bad, *made.results[1:]))
+    _, right = stability_figure(changed).axes
+    lines = {line.get_label(): line for line in right.lines}
+    arrows = lines[f"_lammps{BEYOND}"]
+    assert len(arrows.get_xdata()) == beyond
+    assert (list(lines["lammps"].get_ydata()) == [1]) is beyond, "only the other case has a point"
+    assert right.get_xlim()[1] > 1.0
+    if not beyond:
+        assert lines["lammps"].get_xdata()[0] == pytest.approx(3e-5)
+
+
+def test_the_time_limit_has_its_own_word_everywhere(made, tmp_path):
+    late = replace(made.of("good", "lammps"), ended="timed_out", held=(), reason="no end after 0.01 s")
+    found = replace(made, results=(late, *made.results[1:]))
+    assert found.exit_status == 1
+    assert [r["timed out"] for r in stability_answer(found).tables["Count"]] == [1, 0]
+    assert outcome_table(found)[0]["lammps"] == "timed out (declared stable)"
+    assert summary(found).endswith("one run met the time limit")
+    text = write_stability(found, tmp_path).read_text()
+    assert "the harness ended it at the time limit" in text
+    assert "no end after 0.01 s" in text
 
 
 def test_people_get_the_outcomes_and_their_count(made):

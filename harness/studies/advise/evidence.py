@@ -20,7 +20,6 @@ from harness.studies.advise.files import (
     ACCURACY,
     EFFECTS,
     BulkFile,
-    FreeErrors,
     FreeFile,
     FreePoint,
     LimitRow,
@@ -107,8 +106,9 @@ class Evidence:
     """Everything that advice rests on.
 
     ladders: by engine, then knob. spread: scatter of one packing at the scene's own setting, over the scale, by engine.
-    engines: those that were asked for, None for all of the study. packings: of the study (phases, of free scenes). absent: knobs that were not measured, with the reason. reduced:
-    None where effects were not measured or none may go; effects_say: what is known of them.
+    engines: those that were asked for, None for all of the study. packings: of the study (phases, of free scenes).
+    absent: knobs that were not measured, with the reason. reduced: None where effects were not measured or none may go;
+    effects_say: what is known of them.
     """
 
     scene: Scene
@@ -136,7 +136,8 @@ def read_evidence(
 ) -> Evidence:
     """Return what the studies in `folder` and `effects` say of a quantity, the studies' own unless named.
 
-    Raises InputError for a folder without a finished study, one of another scene, or without the quantity, or an engine.
+    engines: the only ones to be advised. Raises InputError for a folder without a finished study, one of another scene,
+    or without the quantity or an engine.
     """
     place = folder / ACCURACY
     data = read_accuracy(folder, free=isinstance(scene, Free))

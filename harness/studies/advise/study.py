@@ -112,9 +112,10 @@ def _why_not(evidence: Evidence, best: Choice | None, tolerance: float) -> tuple
     if found.noise >= left:
         needed = math.ceil(2.0 * evidence.packings * (found.noise / left) ** 2 * (1.0 - 1e-12))
         return (
-            f"the tolerance lies below the statistical floor of these ladders: their errors are known to "
-            f"{_percent(found.noise)} from {evidence.packings} packings; about {needed} in the ladders would be "
-            "needed, which leaves half of the variance to the packings of the answer", needed
+            f"the tolerance lies below the statistical floor of these ladders: errors of all knobs together are known "
+            f"to {_percent(found.noise)} of the quantity from {evidence.packings} packings; about {needed} in each "
+            f"ladder would bring that down to {_percent(left / math.sqrt(2.0))}, which leaves half of the variance to "
+            "the packings of the answer", needed
         )
     return f"one packing scatters by {_percent(found.spread)}: more packings would be needed than there may be", None
 

@@ -174,7 +174,8 @@ def frontiers(
     begun = time.monotonic()
     chosen = chosen_engines(engines)
     require_folder(out / KEPT)
-    plan, skipped = _planned(frontier_cases(full=full), chosen, out / "packings", late_packings(full=full), _display(progress))
+    cases, late = frontier_cases(full=full), late_packings(full=full)
+    plan, skipped = _planned(cases, chosen, out / "packings", late, _display(progress))
     searches = _shown([p.wanted for p in plan], out, time_limit, workers, _display(progress))
     found = tuple(_frontier(p, search) for p, search in zip(plan, searches, strict=True))
     return Frontiers(

@@ -3,6 +3,7 @@
     stable            it ran to its end and every invariant held
     degraded          it ran to its end; an invariant is beyond its tolerance, yet not beyond its ruin
     failed_loudly     the code itself stopped, or died, with a reason
+    timed_out         the harness ended it at the time limit: neither the code nor its answer said anything
     failed_silently   the code ended as if all were well, and an invariant is beyond its ruin
     refused           the scene was turned down before anything ran, in one line
     unsupported       the code does not have an effect of the scene, and the harness says so
@@ -24,7 +25,7 @@ from harness.studies.stability.invariants import KINDS
 from harness.studies.stability.seen import NotKnown, Seen
 
 Ended = Literal[
-    "stable", "degraded", "failed_loudly", "failed_silently", "refused", "unsupported", "unavailable"
+    "stable", "degraded", "failed_loudly", "failed_silently", "timed_out", "refused", "unsupported", "unavailable"
 ]
 
 BAD: tuple[Ended, ...] = ("degraded", "failed_loudly", "failed_silently")
@@ -154,7 +155,7 @@ def _twin(invariant: Invariant, twins: Mapping[str, Seen | None]) -> Seen:
 
 def _ended(outcome: Outcome, held: tuple[Held, ...]) -> tuple[Ended, str]:
     """Return the word, and why in one line."""
-    if outcome.status in ("unsupported", "unavailable"):
+    if outcome.status in ("unsupported", "unavailable", "timed_out"):
         return outcome.status, outcome.reason
     if outcome.status != "completed":
         return ("failed_silently" if _said_nothing(outcome) else "failed_loudly"), outcome.reason

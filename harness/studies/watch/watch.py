@@ -17,6 +17,7 @@ import numpy as np
 from harness.scene.contact import MindlinSliding
 from harness.scene.laws import turning
 from harness.scene.system import System
+from harness.studies.frontier.formula import formula_limit
 from harness.studies.watch.energies import (
     Unknown,
     normal_energy,
@@ -24,6 +25,8 @@ from harness.studies.watch.energies import (
     weight,
     work_of_walls,
 )
+from harness.studies.watch.passing import passed
+from harness.studies.watch.remarks import Remark, remarks
 from harness.studies.watch.state import State, state_of
 from postproc.macro.contact_ends import contact_ends
 from postproc.trajectory import Trajectory
@@ -64,6 +67,7 @@ class Watch:
 
     made: the largest fall of the dissipated energy, J, i.e. energy that was made; None where that is not known.
     work_error: by how much the work of walls may be wrong, J. of_frames: how many; 0: the run left nothing to read.
+    remarks: what cannot be; with one the run is not to be trusted.
     """
 
     time: np.ndarray
@@ -71,6 +75,7 @@ class Watch:
     absent: dict[str, str]
     made: float | None = None
     work_error: float = 0.0
+    remarks: tuple[Remark, ...] = ()
 
     @property
     def of_frames(self) -> int:
@@ -87,13 +92,21 @@ class Watch:
         return rows
 
     def numbers(self) -> dict[str, float | str]:
-        """Return the largest size of every curve by its name and unit, and why a curve is missing: for outcomes."""
+        """Return the largest size of every curve by its name and unit, why a curve is missing, and remarks."""
         return {
             (f"{r['quantity']} ({r['unit']})" if r["largest"] is not None else r["quantity"]): (
                 r["note"] if r["largest"] is None else r["largest"]
             )
             for r in self.rows()
-        }
+        } | {f"remark: {r.what}": r.says for r in self.remarks}
+
+    def remark_rows(self) -> list[dict]:
+        """Return a row a remark."""
+        return [
+            {"remark": r.what, "size": r.size if np.isfinite(r.size) else None, "beyond": r.limit, "of": r.unit,
+             "at time (s)": r.at, "why": r.why}
+            for r in self.remarks
+        ]
 
     def _row(self, name: str) -> dict:
         if name in self.absent:
@@ -119,10 +132,12 @@ def watch(system: System, trajectory: Trajectory) -> Watch:
         except Unknown as reason:
             absent[name] = str(reason)
     error = _balance(curves, absent, system, trajectory, states)
-    dissipated = curves.get("dissipated")
+    dissipated, time = curves.get("dissipated"), np.array([s.time for s in states])
+    made = None if dissipated is None else _largest_fall(dissipated)
     return Watch(
-        time=np.array([s.time for s in states]), curves={k: curves[k] for k in UNITS if k in curves}, absent=absent,
-        made=None if dissipated is None else _largest_fall(dissipated), work_error=error,
+        time=time, curves={k: curves[k] for k in UNITS if k in curves}, absent=absent, made=made, work_error=error,
+        remarks=remarks(time, curves, passed=passed(system, states), made=made, work_error=error,
+                        step=system.dt / formula_limit(system)),
     )
 
 

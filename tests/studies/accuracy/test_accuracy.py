@@ -46,11 +46,27 @@ def test_slopes_are_those_of_the_schemes(climbed):
 def test_a_step_too_long_is_unstable_and_has_no_time(climbed):
     for track in climbed.declared:
         worst = track.points[0]
-        assert (worst.value, worst.status) == (0.64, "unstable")
+        assert (worst.rung, worst.status) == (0.64, "unstable")
         assert "kinetic energy grew" in worst.reason
         assert worst.seconds is None
         assert not worst.errors
         assert all(p.seconds > 0.0 for p in track.points[1:])
+
+
+def test_the_step_that_ran_is_told(climbed):
+    """0.64 contact times do not make the duration in whole steps: the step that ran is shorter."""
+    for track in climbed.declared:
+        for point in track.points:
+            assert point.value == pytest.approx(point.dt / climbed.contact_time, rel=1e-12)
+            assert point.value <= point.rung * (1.0 + 1e-9)
+        assert [p.rung for p in track.points] == list(LADDER)
+        assert track.points[0].value == pytest.approx(0.577, abs=5e-4)
+
+
+def test_steps_beyond_the_scenes_limit_are_marked(climbed):
+    for track in climbed.declared:
+        assert [p.beyond is not None for p in track.points] == [True, False, False, False]
+        assert track.points[0].beyond == pytest.approx(0.245, abs=5e-4)
 
 
 def test_frictionless_cases_have_no_spin(climbed):

@@ -11,9 +11,9 @@ from harness.errors import InputError
 from harness.scene.load import load_scene
 from harness.studies.accuracy import accuracy
 from harness.studies.accuracy.asked import asked_all
-from harness.studies.accuracy.bulk import cpu_parts
 from harness.studies.accuracy.bulk_plan import bare_settings, plan
 from harness.studies.accuracy.bulk_quantities import BULK, bulk_values
+from harness.studies.accuracy.bulk_rungs import cpu_parts
 from harness.studies.compare.curves import BiaxialCurves
 
 FOLDER = Path(__file__).resolve().parents[3] / "inputs" / "scenes"

@@ -1,5 +1,7 @@
 """Errors, floors, cheapest settings and the front of ladders that are known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -95,6 +97,18 @@ def test_failed_rungs_have_no_error_and_no_time():
     assert lost.seconds is None
     assert lost not in [r for r, _ in whole.known(QUANTITY)]
     assert lost not in [r for _, r, _ in front([whole], QUANTITY)]
+
+
+def test_a_rung_that_scenes_refuse_is_neither_cheapest_nor_on_the_front():
+    """It stays known, and in the limit."""
+    made = ladder(rates(slope=0.0, noise=0.1))
+    fast, *rest = made.rungs
+    assert cheapest(made, QUANTITY, 0.1, None).rung is fast
+    assert front([made], QUANTITY)[0][1] is fast
+    barred = replace(made, rungs=(replace(fast, beyond=4.5), *rest))
+    assert cheapest(barred, QUANTITY, 0.1, None).rung is rest[0]
+    assert front([barred], QUANTITY)[0][1] is rest[0]
+    assert [r.value for r, _ in barred.known(QUANTITY)] == [8.0, 4.0, 2.0, 1.0]
 
 
 def test_knobs_add_against_the_limit_of_all():

@@ -1,6 +1,7 @@
 """Ladders made up from formulas, so that the advice they lead to is known."""
 
 import json
+import math
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -9,7 +10,7 @@ import pytest
 
 from harness.scene.load import load_scene
 from harness.studies.accuracy.asked import KNOBS
-from harness.studies.advise.evidence import BULK_SCHEMA
+from harness.studies.advise.files import BULK_SCHEMA
 
 FILE = Path(__file__).resolve().parents[3] / "inputs" / "scenes" / "biaxial_quick.toml"
 SCALE = 25.0
@@ -29,6 +30,7 @@ class Study:
     order: float = 1.0
     effects: dict | None = None
     scene: object = None
+    largest: float | None = None
 
     def __post_init__(self):
         self.scene = self.scene or load_scene(FILE)
@@ -59,8 +61,10 @@ class Study:
                 "kind": "measured", "value": value, "setting": f"{value:g}", "x": knob.x(value), "status": "completed",
                 "declared": value == self.own[name], "signed_error": error, "error_bar": bar,
                 "cpu_seconds": seconds * self.dearer.get(engine, 1.0), "each": self._each(name, value),
+                "beyond_limit": self.largest if name == "dt" and self.largest and value > self.largest else None,
             }
-        yield common | {"kind": "extrapolated", "state": self.state, "order_used": self.order, "error_bar": 0.0}
+        order = None if math.isnan(self.order) else self.order
+        yield common | {"kind": "extrapolated", "state": self.state, "order_used": order, "error_bar": 0.0}
 
     def _each(self, name, value):
         """Two packings whose standard deviation is the spread, of samples that go with 1/sqrt(N)."""

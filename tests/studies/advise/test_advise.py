@@ -1,15 +1,19 @@
 """Advice on made-up ladders: the cheapest setting is known, and so is what must be said where there is none."""
 
 import itertools
+import json
 import math
 
 import pytest
 
 from harness.errors import InputError
+from harness.report.advise_tables import advice_rows, ladder_rows
+from harness.report.advise_words import limits
 from harness.scene.load import load_scene
 from harness.scene.write import write_scene
 from harness.studies.advise import advise, choose, read_evidence
 from harness.studies.advise.combine import Part, Total, total
+from harness.studies.advise.scene import Settings, can_run
 
 SCALE = 25.0
 """Of the made-up quantity, see conftest."""
@@ -231,6 +235,94 @@ def test_a_quantity_without_errors_is_refused(study, file):
     with pytest.raises(InputError, match="with errors and times of plateau_angle"):
         advise(read_evidence(load_scene(file), file, quantity="plateau_angle", folder=folder, effects=None,
                              tolerance=0.1), 0.1)
+
+
+def pop(*path):
+    def change(data):
+        for key in path[:-1]:
+            data = data[key]
+        del data[path[-1]]
+    return change
+
+
+def put(value, *path):
+    def change(data):
+        for key in path[:-1]:
+            data = data[key]
+        data[path[-1]] = value
+    return change
+
+
+@pytest.mark.parametrize(("change", "says"), [
+    *((pop(key), f"`{key}`") for key in ("rows", "packings", "quantity", "quantities", "engines", "knobs", "scene")),
+    (pop("schema"), "without a schema"), (put("grainproof accuracy of bulk quantities, 1", "schema"), "quantities, 1"),
+    (put("10", "rows", 0, "cpu_seconds"), "rows"), (put(-1.0, "rows", 0, "cpu_seconds"), "rows"),
+    (put(-0.1, "rows", 0, "error_bar"), "rows"), (pop("rows", 0, "kind"), "kind"), (put(1, "packings"), "packings"),
+    (put("x", "rows", -1, "state"), "state"), (put([3], "scene"), "scene"),
+])
+def test_a_file_that_no_study_writes_is_refused_in_one_line(study, file, change, says):
+    made = study({"dt": DT})
+    place = made.write() / "accuracy.json"
+    data = json.loads(place.read_text())
+    change(data)
+    place.write_text(json.dumps(data))
+    with pytest.raises(InputError) as error:
+        read_evidence(load_scene(file), file, quantity=None, folder=place.parent, effects=None, tolerance=0.1)
+    assert "\n" not in str(error.value)
+    assert f"{place}: expected a finished grainproof accuracy, got " in str(error.value)
+    assert says in str(error.value)
+
+
+@pytest.mark.parametrize("change", [
+    pop("saved"), pop("tables"), pop("left_out"), put([], "tables", "trials"), put("much", "tables", "trials", 0, "trial"),
+    put(None, "tables", "trials", 0, "change (%)"),
+])
+def test_a_damaged_effects_study_is_refused_in_one_line(study, file, change):
+    folder = study({"dt": DT}, effects=GO).write()
+    data = json.loads((folder / "effects.json").read_text())
+    change(data)
+    (folder / "effects.json").write_text(json.dumps(data))
+    with pytest.raises(InputError, match="effects.json: expected a finished grainproof effects, got a damaged file"):
+        read_evidence(load_scene(file), file, quantity=None, folder=folder, effects=folder, tolerance=0.1)
+
+
+def test_a_file_in_place_of_its_folder_is_said_to_be_one(study, file):
+    place = study({"dt": DT}).write() / "accuracy.json"
+    with pytest.raises(InputError, match="--from: expected the folder of a finished grainproof accuracy, got .*, a file"):
+        read_evidence(load_scene(file), file, quantity=None, folder=place, effects=None, tolerance=0.1)
+
+
+def test_only_the_engines_that_are_asked_for(study, file):
+    folder = study({"dt": DT}, engines=("lammps", "liggghts"), dearer={"lammps": 1.1}).write()
+    facts = {"quantity": None, "folder": folder, "effects": None, "tolerance": 0.1}
+    evidence = read_evidence(load_scene(file), file, **facts, engines=["lammps"])
+    assert advise(evidence, 0.1).choice.engine == "lammps"
+    with pytest.raises(InputError, match="--engines: expected some of lammps, liggghts, which .* has, got kernel:talk"):
+        read_evidence(load_scene(file), file, **facts, engines=["lammps", "kernel:talk"])
+
+
+def test_refused_steps_are_named_and_are_those_that_cannot_run(study, file):
+    """The study's mark and the check of the scene that would be advised agree."""
+    ladder = {0.36: (0.001, 0.0, 1.0), 0.18: (0.001, 0.0, 2.0), **DT}
+    advice = asked(study({"dt": ladder}, largest=0.0536), file, 0.1)
+    dt = advice.evidence.ladders["lammps"]["dt"]
+    assert dt.beyond == (0.06, 0.18, 0.36)
+    scene = load_scene(file)
+    assert [can_run(scene, file, Settings(values={"dt": r.value})) for r in dt.rungs] == [
+        r.value not in dt.beyond for r in dt.rungs
+    ]
+    assert values(advice) == {"dt": 0.045}
+    (told,) = [s for s in limits(advice) if "refused" in s]
+    assert told.startswith("dt 0.06, 0.18, 0.36: refused by `scene`, beyond its stability limit of 0.0536;")
+    assert [r["setting"] for r in ladder_rows(advice) if r["taken"] == "refused by `scene`"] == [0.36, 0.18, 0.06]
+
+
+def test_packings_of_no_solution_promise_nothing(study, file):
+    for bar, known in ((0.02, "those of the ladders; no number of them is known to be enough"),
+                       (0.0001, "so that their mean is within the tolerance")):
+        advice = asked(study({"dt": {0.045: (0.0, bar, 10.0)}}, spread=0.05), file, 0.01)
+        (row,) = [r for r in advice_rows(advice) if r["what"] == "packings"]
+        assert row["known from"] == known
 
 
 @pytest.mark.parametrize("text", ["{", "[]", '{"schema": "another"}'])

@@ -8,13 +8,18 @@ import msgspec
 import numpy as np
 import pytest
 
+from harness.errors import InputError
+from harness.report.advise_tables import sum_rows
+from harness.report.advise_words import limits, paragraph
 from harness.scene.load import load_scene
 from harness.scene.write import write_scene
 from harness.studies.accuracy import accuracy
 from harness.studies.advise import advise, read_evidence
 from harness.studies.advise.evidence import _of_rms
+from harness.studies.advise.files import FREE_SCHEMA
 
 FILE = Path(__file__).resolve().parents[3] / "inputs" / "scenes" / "oblique_impact.toml"
+BEYOND = "beyond the scene's limit of"
 EVEN, UNEVEN = (1.0, 1.0, 1.0, 1.0), (0.1, 0.1, 0.1, 1.99)
 """Errors of four phases over their rms, nearly the same rms."""
 
@@ -23,13 +28,15 @@ def study(folder, spread, engines=("lammps",)):
     """error = f/4, 1 ms a step at f = 0.01; one rung of 0.64 that went wrong."""
     values = (0.16, 0.08, 0.04, 0.02, 0.01)
     points = [
-        {"case": "as declared", "engine": e, "dt_fraction": f, "exit": f / 4, "velocity": None, "CPU (ms)": 0.01 / f,
-         "status": "completed"}
+        {"case": "as declared", "engine": e, "rung": f, "dt_fraction": f, "exit": f / 4, "velocity": None,
+         "CPU (ms)": 0.01 / f, "status": "completed", BEYOND: None}
         for e in engines for f in values
     ]
-    points.insert(0, points[0] | {"dt_fraction": 0.64, "exit": None, "status": "unstable", "CPU (ms)": None})
+    wild = {"rung": 0.64, "dt_fraction": 0.64, BEYOND: 0.245, "exit": None, "status": "unstable", "CPU (ms)": None}
+    points.insert(0, points[0] | wild)
     data = {
-        "scene": msgspec.to_builtins(load_scene(FILE)), "quantity": "exit", "phases": 4, "knob": "dt",
+        "schema": FREE_SCHEMA, "scene": msgspec.to_builtins(load_scene(FILE)), "quantity": "exit", "phases": 4,
+        "knob": "dt",
         "errors": [{"case": "as declared", "engine": e, "dt_fraction": f, "exit": [f / 4 * s for s in spread]}
                    for e in engines for f in values],
         "tables": {
@@ -56,6 +63,78 @@ def test_the_coarsest_step_that_does(tmp_path):
     assert "free" not in advice.evidence.absent
     assert "scene has none" in advice.evidence.absent["rate"]
     assert advice.evidence.ladders["lammps"]["dt"].failed == ("0.64: unstable",)
+
+
+def rewritten(folder, change):
+    """The study's file with something else in it."""
+    place = folder / "accuracy.json"
+    data = json.loads(place.read_text())
+    change(data)
+    place.write_text(json.dumps(data))
+    return folder
+
+
+def pop(*path):
+    def change(data):
+        for key in path[:-1]:
+            data = data[key]
+        del data[path[-1]]
+    return change
+
+
+def put(value, *path):
+    def change(data):
+        for key in path[:-1]:
+            data = data[key]
+        data[path[-1]] = value
+    return change
+
+
+@pytest.mark.parametrize("change", [
+    pop("schema"), pop("tables"), pop("tables", "points"), pop("tables", "slopes"), pop("tables", "oracles"),
+    pop("errors"), pop("quantity"), pop("phases"), pop("scene"), pop("tables", "points", 1, "exit"),
+    put([], "tables", "points"), put("fast", "tables", "points", 1, "CPU (ms)"), put(-1.0, "tables", "points", 1, "exit"),
+    put(-1.0, "tables", "points", 1, "CPU (ms)"), put(None, "tables"), put([], "errors"), put("heat", "quantity"),
+    put([], "tables", "oracles"),
+])
+def test_a_damaged_file_is_refused_in_one_line(tmp_path, change):
+    folder = rewritten(study(tmp_path, EVEN), change)
+    with pytest.raises(InputError, match="accuracy.json: expected a finished grainproof accuracy, got a") as error:
+        advised(folder, 0.011)
+    assert "\n" not in str(error.value)
+
+
+def test_the_step_that_ran_is_advised(tmp_path):
+    """That of 0.16 ran as 0.152; the scene's own 0.01 as 0.0098, and is still its own."""
+    ran = {0.16: 0.152, 0.01: 0.0098}
+
+    def change(data):
+        for row in (*data["tables"]["points"], *data["errors"]):
+            row["dt_fraction"] = ran.get(row["dt_fraction"], row["dt_fraction"])
+
+    advice = advised(rewritten(study(tmp_path, EVEN), change), 0.05)
+    assert advice.choice.rungs["dt"].value == 0.152
+    assert advice.scene.numerics.dt_fraction == 0.152
+    assert advice.evidence.ladders["lammps"]["dt"].own.value == 0.0098
+
+
+def test_refused_steps_are_named(tmp_path):
+    """A good rung beyond the limit, and the one that is unstable anyway."""
+    def change(data):
+        extra = data["tables"]["points"][1] | {"rung": 0.32, "dt_fraction": 0.2885, BEYOND: 0.245, "exit": 0.01}
+        data["tables"]["points"].append(extra)
+        data["errors"].append(data["errors"][0] | {"dt_fraction": 0.2885, "exit": [0.01] * 4})
+
+    advice = advised(rewritten(study(tmp_path, EVEN), change), 0.1)
+    assert advice.choice.rungs["dt"].value == 0.16, "0.2885 is faster and near, and no scene may have it"
+    assert any(s.startswith("dt 0.2885, 0.64: refused by `scene`, beyond its stability limit of 0.245")
+               for s in limits(advice))
+
+
+def test_a_free_scene_has_runs_and_no_packings(tmp_path):
+    advice = advised(study(tmp_path, EVEN), 0.1)
+    assert "packing" not in paragraph(advice)
+    assert not [name for row in sum_rows(advice) for name in row if "packing" in name]
 
 
 def test_phases_that_differ_widen_the_error(tmp_path):

@@ -161,9 +161,8 @@ def test_what_saves_no_time_that_was_seen_stays():
 def test_a_trial_keeps_what_else_changes_and_is_not_judged_by_it():
     variants = [variant("gravity")]
     other = change_of(quantity(9.0, 0.1, name="stress_strain"), OFF, 0.05)
-    smallest = smallest_set(
-        variants, [shifted("without gravity", 0.1)], ("q",), {"gravity": 0.1}, lambda _: [shifted("reduced", 0.1), other]
-    )
+    alone, together = [shifted("without gravity", 0.1)], [shifted("reduced", 0.1), other]
+    smallest = smallest_set(variants, alone, ("q",), {"gravity": 0.1}, lambda _: together)
     assert smallest.left_out == ("gravity",)
     (trial,) = smallest.trials
     assert [c.quantity for c in trial.changes] == ["q"]

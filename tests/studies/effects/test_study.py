@@ -78,7 +78,8 @@ def test_a_saving_within_the_scatter_of_the_times_moves_nothing(out):
     """The change is as small as before; the ratio's range holds 1."""
     def scattered(*words, **more):
         costs = canned_costs(*words, **more)
-        return {n: c if n == BASE else StepCost(seconds=c.seconds, ratios=(0.976, 0.992, 1.04)) for n, c in costs.items()}
+        hidden = StepCost(seconds=(1e-5,) * 3, ratios=(0.976, 0.992, 1.04))
+        return {name: cost if name == BASE else hidden for name, cost in costs.items()}
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(timing, "step_costs", scattered)

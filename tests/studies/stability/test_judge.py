@@ -64,7 +64,13 @@ def test_beyond_ruin_a_run_that_said_nothing_failed_silently(apart):
     assert result.kernel_failed_silently
 
 
-@pytest.mark.parametrize("status", ["crashed", "unstable", "timed_out"])
+def test_what_the_harness_ended_at_the_time_limit_is_no_word_of_the_code():
+    result = ended(case(), "lammps", None, status="timed_out", reason="no end after 0.01 s")
+    assert (result.ended, result.reason) == ("timed_out", "no end after 0.01 s")
+    assert not result.as_declared
+
+
+@pytest.mark.parametrize("status", ["crashed", "unstable"])
 def test_a_code_that_stopped_itself_failed_loudly(status):
     result = ended(case(), "lammps", None, status=status, reason="lost atoms")
     assert (result.ended, result.reason) == ("failed_loudly", "lost atoms")

@@ -99,7 +99,7 @@ def test_a_twin_runs_along_without_being_shown(tmp_path):
 def test_the_command_line_says_what_failed_without_a_word(tmp_path, capsys):
     assert main(["stability", "alone", "--engines", "kernel", "--out", str(tmp_path)]) == 0
     said = capsys.readouterr().out
-    assert "1 hard cases on kernel:talk: all ended as declared" in said
+    assert "1 hard case on kernel:talk: all ended as declared" in said
     assert (tmp_path / "stability.html").is_file()
 
 

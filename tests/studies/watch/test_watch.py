@@ -7,17 +7,22 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from harness.cli import main
 from harness.engines.registry import ENGINES, find_engine
 from harness.report.run import run_answer, write_run_files
 from harness.runs.execute import same_trajectory
 from harness.runs.outcome import read_outcome
 from harness.studies.single import single_run
+from harness.studies.stability.cases import shipped_folder
 from harness.studies.watch import watch, watch_folder
+from harness.studies.watch.remarks import ENERGY as ENERGY_LIMIT
+from harness.studies.watch.remarks import largest_energy
 from postproc.snapshot import Columns
 from postproc.trajectory import Trajectory, read_trajectory
 
 M_STAR, STIFFNESS, SPEED = 5e-7, 1e5, 1.0
 ENERGY = 0.5 * M_STAR * SPEED**2
+PASSED = "pairs that passed through each other"
 
 
 @pytest.fixture
@@ -168,3 +173,108 @@ def test_answer_and_page_show_it(made, head_on):
     header = (done.folder / "watch.csv").read_text().splitlines()[0]
     assert header.startswith("time (s),kinetic energy (J)")
     assert "data:image/png" in (done.folder / "watch.html").read_text()
+
+
+# --- remarks -------------------------------------------------------------------------------------------
+
+
+def remarked(seen):
+    return {r.what: r for r in seen.remarks}
+
+
+def test_sound_collisions_are_not_remarked(made, head_on):
+    """Also not at a tenth of a contact time, where the leapfrog's energy swings by 2.5 %."""
+    assert made(head_on()).watch.remarks == ()
+    coarse = head_on()
+    coarse.write_text(coarse.read_text().replace("dt_fraction = 0.005", "dt_fraction = 0.1").replace("200", "40"))
+    coarse.write_text(coarse.read_text().replace("frames = 100", "frames = 40"))
+    done = made(coarse)
+    assert done.watch.made / largest_energy(done.watch.curves) > ENERGY_LIMIT
+    assert done.watch.remarks == ()
+    assert done.exit_status == 0
+
+
+def moving(made, head_on, frames):
+    """A run of two discs of radius 1 mm whose places and speeds along x are written down, frame by frame."""
+    done = made(head_on())
+    first = done.trajectory.frames[0]
+    found = []
+    for k, (xs, vs) in enumerate(frames):
+        columns = {name: np.array(first.particles[name]) for name in first.particles}
+        columns |= {"x": np.array(xs), "vx": np.array(vs), "y": np.array([0.0, 1e-5])}
+        found.append(replace(first, time=1e-5 * k, particles=Columns(columns, "particles")))
+    return watch(done.system, Trajectory(frames=tuple(found), steps=tuple(range(len(found))), series=None))
+
+
+def test_a_pair_that_passed_through_is_remarked(made, head_on):
+    """600 m/s each over 1e-5 s: 6 mm, from 5 mm before the other to 7 mm behind it, with no overlap in any frame."""
+    fast = [600.0, -600.0]
+    remark = remarked(moving(made, head_on, [((0.0, 5e-3), fast), ((6e-3, -1e-3), fast)]))[PASSED]
+    assert (remark.size, remark.at) == (1.0, 1e-5)
+    assert "order is reversed" in remark.says
+
+
+@pytest.mark.parametrize("after", [
+    ((-0.5e-3, 5.5e-3), [-600.0, 600.0]),  # bounced
+    ((0.0, 5e-3), [600.0, -600.0]),  # still before it
+    ((9e-3, -4e-3), [600.0, -600.0]),  # not where it would be without the other
+])
+def test_other_ways_are_not_passing_through(after, made, head_on):
+    assert PASSED not in remarked(moving(made, head_on, [((0.0, 5e-3), [600.0, -600.0]), after]))
+
+
+def test_a_pair_that_flies_by_is_not_remarked(made, head_on):
+    """The same speeds, 2.1 radii apart."""
+    done = made(head_on())
+    first, found = done.trajectory.frames[0], []
+    for k, x in enumerate(((0.0, 5e-3), (6e-3, -1e-3))):
+        columns = {name: np.array(first.particles[name]) for name in first.particles}
+        columns |= {"x": np.array(x), "y": np.array([0.0, 2.1e-3]), "vx": np.array([600.0, -600.0])}
+        found.append(replace(first, time=1e-5 * k, particles=Columns(columns, "particles")))
+    seen = watch(done.system, Trajectory(frames=tuple(found), steps=(0, 1), series=None))
+    assert PASSED not in remarked(seen)
+
+
+def test_deep_overlaps_and_centres_inside_are_remarked(made, head_on):
+    still = [0.0, 0.0]
+    deep = remarked(moving(made, head_on, [((0.0, 1.4e-3), still)]))["largest overlap"]
+    assert deep.size == pytest.approx(0.6, rel=1e-3)
+    assert "small against the radius" in deep.why
+    inside = remarked(moving(made, head_on, [((0.0, 0.9e-3), still)]))["largest overlap"]
+    assert "inside the other" in inside.why
+    assert "largest overlap" not in remarked(moving(made, head_on, [((0.0, 1.6e-3), still)]))
+
+
+def test_energy_out_of_nothing_is_remarked(made, head_on):
+    apart = (0.0, 5e-3)
+    seen = moving(made, head_on, [(apart, [1.0, -1.0]), (apart, [1.1, -1.1])])
+    made_of_it = remarked(seen)["energy made"]
+    assert made_of_it.size == pytest.approx(1 - 1 / 1.21)
+    assert "energy made" not in remarked(moving(made, head_on, [(apart, [1.0, -1.0]), (apart, [1.004, -1.004])]))
+
+
+@pytest.mark.parametrize("name", ["lammps", "liggghts"])
+def test_codes_that_let_bodies_pass_are_found_out_on_the_command_line(name, tmp_path, capsys):
+    if not ENGINES[name].probe().available:
+        pytest.skip(f"{name} is not installed")
+    file = shipped_folder() / "pass_through.toml"
+    words = ["run", str(file), "--engine", name, "--out", str(tmp_path)]
+    assert main(words) == 0, "the code itself says nothing"
+    data = tmp_path / "run.json"
+    assert main([*words, "--watch", "--json", str(data)]) == 1
+    said = capsys.readouterr().out
+    assert "not to be trusted: pairs that passed through each other" in said
+    rows = json.loads(data.read_text())["remarks"]
+    assert {r["remark"] for r in rows} == {PASSED, "largest overlap"}
+    (page,) = tmp_path.glob("runs/*/watch.html")
+    assert PASSED in page.read_text()
+
+
+def test_compare_shows_remarks(tmp_path, capsys):
+    if not all(ENGINES[name].probe().available for name in ("lammps", "liggghts")):
+        pytest.skip("lammps or liggghts is not installed")
+    file = shipped_folder() / "pass_through.toml"
+    main(["compare", str(file), "--engines", "lammps,liggghts", "--watch", "--out", str(tmp_path)])
+    assert "Remarks of the watch" in capsys.readouterr().out
+    assert (tmp_path / "remarks.csv").read_text().count(PASSED) == 2
+    assert PASSED in (tmp_path / "report.html").read_text()
