@@ -23,7 +23,8 @@ HEADINGS = {"advice": "What to take", "sum": "What it comes to", "ladders": "Wha
 NOTES = {
     "advice": "Errors against the limit of each knob's own ladder, over the quantity's size. Measured: that rung was "
     "run. Extrapolated: it follows from others by the stated power. Kept: nothing is known, so nothing is turned.",
-    "sum": COMBINED,
+    "sum": f"{COMBINED} Scatter of one packing: that of all sizes together where the number of particles was turned, "
+    "else that of the scene as declared; over the limit of that ladder.",
     "ladders": "All rungs of the engine of the answer.",
 }
 

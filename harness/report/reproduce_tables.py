@@ -17,6 +17,9 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
+MOST_DIGITS = 12
+"""Of a number beside its error: what lies below is round-off."""
+
 
 def tag(row: Row) -> str | None:
     """Say how the talk's value is known: "seen" in its source, "recalled", or "exact" for a closed form."""
@@ -83,10 +86,13 @@ def _together(items: Iterable[T], key: Callable[[T], Hashable]) -> list[list[T]]
 
 
 def _said(ours: Measured) -> str:
-    """Write a number with its error, if there is one."""
+    """Write a number with its error, if there is one: with the digits that the error speaks of, four at least."""
     if not np.isfinite(ours.value):
         return "not known"
-    return f"{ours.value:.4g}" if not ours.error else f"{ours.value:.4g} ± {ours.error:.2g}"
+    if not ours.error or not np.isfinite(ours.error) or not ours.value:
+        return f"{ours.value:.4g}" if not ours.error else f"{ours.value:.4g} ± {ours.error:.2g}"
+    digits = int(np.floor(np.log10(abs(ours.value))) - np.floor(np.log10(abs(ours.error)))) + 2
+    return f"{ours.value:.{min(max(digits, 4), MOST_DIGITS)}g} ± {ours.error:.2g}"
 
 
 def rate_rows(points: Sequence[RatePoint]) -> list[dict]:

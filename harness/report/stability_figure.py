@@ -24,7 +24,7 @@ SMALLEST = 1e-6
 """Share of a tolerance below which points are drawn at the edge."""
 
 BROKEN_SIDE = 10.0
-"""Share up to which the scale goes at least, so that beyond 1 there is room."""
+"""The scale goes so far beyond 1, and beyond the largest finite share, as a factor: there is room for arrows."""
 
 EDGE, BEYOND = 0.985, " beyond every scale"
 """Where arrows stand, as a part of the panel's width, and the name of their line."""
@@ -82,10 +82,11 @@ def _draw_shares(axes, stability: Stability) -> None:
         beyond = [row for row, s in points if s == math.inf]
         turn = 0.3 * (stability.engines.index(engine) - (len(stability.engines) - 1) / 2)
         axes.plot([EDGE] * len(beyond), [r + turn for r in beyond], ">", ms=7, color=colour, mec="#b3201c", mew=1.0,
-                  clip_on=False, transform=axes.get_yaxis_transform(), label=f"_{engine}{BEYOND}")
+                  transform=axes.get_yaxis_transform(), label=f"_{engine}{BEYOND}")
     axes.set_xscale("log")
     axes.axvline(1.0, color="#b3201c", lw=1.0)
-    axes.set_xlim(SMALLEST / 2, max(axes.get_xlim()[1], BROKEN_SIDE))
+    shares = [share(r) or 0.0 for r in stability.results]
+    axes.set_xlim(SMALLEST / 2, BROKEN_SIDE * max([1.0, *filter(math.isfinite, shares)]))
     axes.grid(axis="both", color="#e4e4e4", lw=0.6)
     axes.set_axisbelow(True)
     axes.set_xlabel("largest invariant over its tolerance")

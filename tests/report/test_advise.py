@@ -101,6 +101,25 @@ def test_the_command_line_gives_advice(tmp_path, capsys):
     assert main(strict) == 1
 
 
+def test_words_that_a_finished_study_cannot_follow_are_refused(tmp_path, capsys):
+    folder = Study(tmp_path, LADDERS, engines=("lammps", "liggghts"), dearer={"lammps": 2.0}).write()
+    out = tmp_path / "out"
+    words = ["advise", str(FILE), "--tolerance", "0.05", "--from", str(folder), "--out", str(out)]
+    for more, says in (
+        (["--packings", "4"], "--packings: expected nothing beside --from, got 4"),
+        (["--engines", "kernel:talk"], "--engines: expected some of lammps, liggghts"),
+    ):
+        assert main([*words, *more]) == 2
+        said = capsys.readouterr().err
+        assert says in said
+        assert said.count("\n") == 1
+        assert not out.exists()
+    for engines in ("lammps", "liggghts"):
+        assert main([*words, "--engines", engines]) == 0
+        assert json.loads((out / "advice.json").read_text())["engine"] == engines
+        assert f"--engines {engines}" in (out / NAMES.page).read_text()
+
+
 @pytest.mark.parametrize(
     ("words", "says"),
     [

@@ -161,8 +161,19 @@ def test_answers(study, ask, result):
 def test_the_page_shows_engines_side_by_side(result):
     (row,) = compact_rows(result.rows[:2])
     assert (row["talk"], row["known"]) == ("13", "seen")
-    assert row["kernel:talk"] == "13.03 ± 0.088"
+    assert row["kernel:talk"] == "13.033 ± 0.088"
     assert (row["verdict"], row["liggghts"]) == ("differs", "20.1 ± 0.058")  # the worst of both
     (free,) = compact_rows(result.rows[2:])
     assert "talk" not in free
     assert [r["kernel:talk"] for r in compact_rates(result.rates)] == ["11.5 ± 0.5", "12.5 ± 0.5"]
+
+
+@pytest.mark.parametrize(("value", "error", "said"), [
+    (218.345678, 0.00019, "218.34568 ± 0.00019"), (218.345678, 1.3, "218.3 ± 1.3"), (13.0, 0.088, "13 ± 0.088"),
+    (0.0, 0.1, "0 ± 0.1"), (218.345678, None, "218.3"), (218.345678, 0.0, "218.3"), (1.0, 1e-16, "1 ± 1e-16"),
+])
+def test_a_number_has_the_digits_that_its_error_speaks_of(value, error, said):
+    from harness.report.reproduce_tables import _said
+    from harness.studies.reproduce.protocol import Measured
+
+    assert _said(Measured(engine="lammps", value=value, error=error, packings=2)) == said

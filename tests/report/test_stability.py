@@ -3,12 +3,14 @@
 import csv
 import json
 import math
+import warnings
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from harness.errors import InputError
+from harness.report.figures import png_bytes
 from harness.report.stability import NAMES, stability_answer, summary, write_stability
 from harness.report.stability_figure import BEYOND, stability_figure
 from harness.report.stability_tables import TABLES, note, outcome_table, tables
@@ -147,3 +149,12 @@ def test_a_folder_in_the_way_is_told_before_anything_runs(tmp_path):
     (tmp_path / "stability.html").mkdir()
     with pytest.raises(InputError, match="expected a file or nothing"):
         NAMES.check(tmp_path)
+
+
+def test_the_figure_has_room_for_both_panels(made):
+    """Arrows at the edge must not push the panels out of their places."""
+    figure = stability_figure(made)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        png_bytes(figure, dpi=50)
+    assert all(axes.get_position().width > 0.3 for axes in figure.axes)

@@ -107,6 +107,13 @@ def test_failure_ends_with_the_reproduce_command():
                     "reproduce: cd x && y")
 
 
+def test_the_same_words_are_said_once():
+    said = "unstable: step 12, particle 1 moves 0.6 radii"
+    line = describe_outcome(outcome(**CRASH | {"status": "unstable", "reason": said}, last_lines=("begin", said)))
+    assert line == ("flight, fake 1.0: unstable after step 6 of 12: step 12, particle 1 moves 0.6 radii; "
+                    "reproduce: cd x && y")
+
+
 def test_refused_run_gives_its_reason():
     made = outcome(status="unavailable", reason="build it", trajectory=None, wall_seconds=None, cpu_seconds=None)
     assert describe_outcome(made) == "flight, fake 1.0: unavailable: build it"

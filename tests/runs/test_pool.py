@@ -37,6 +37,17 @@ def test_longest_first(in_mode, make_system, root):
     assert sorted(costs, key=lambda c: done[costs.index(c)].outcome.started) == [9.0, 5.0, 2.0]
 
 
+def test_no_name_comes_twice_in_the_line_that_says_how_a_run_ended(engine, system, root):
+    """The line names scene and engine itself; another label stands before it."""
+    own, stream = f"{system.scene_name}, {engine.name}", io.StringIO()
+    run_many([(own, engine, system)], root, time_limit=LIMIT, progress=Lines(stream))
+    run_many([("seventh try", engine, system)], root, time_limit=LIMIT, progress=Lines(stream))
+    first, second = (line for line in stream.getvalue().splitlines() if line.startswith("[1/1]"))
+    assert first.startswith(f"[1/1] {own} ")
+    assert first.count(system.scene_name) == 1
+    assert second.startswith("[1/1] seventh try: kept, made ")
+
+
 def test_one_run_asked_for_twice_is_made_once(engine, system, root, begun):
     done = run_many([("a", engine, system), ("b", engine, system)], root, time_limit=LIMIT, workers=2)
     assert done[0].outcome == done[1].outcome

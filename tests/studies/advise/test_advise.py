@@ -274,8 +274,8 @@ def test_a_file_that_no_study_writes_is_refused_in_one_line(study, file, change,
 
 
 @pytest.mark.parametrize("change", [
-    pop("saved"), pop("tables"), pop("left_out"), put([], "tables", "trials"), put("much", "tables", "trials", 0, "trial"),
-    put(None, "tables", "trials", 0, "change (%)"),
+    pop("saved"), pop("tables"), pop("left_out"), put([], "tables", "trials"),
+    put("much", "tables", "trials", 0, "trial"), put(None, "tables", "trials", 0, "change (%)"),
 ])
 def test_a_damaged_effects_study_is_refused_in_one_line(study, file, change):
     folder = study({"dt": DT}, effects=GO).write()
@@ -288,7 +288,7 @@ def test_a_damaged_effects_study_is_refused_in_one_line(study, file, change):
 
 def test_a_file_in_place_of_its_folder_is_said_to_be_one(study, file):
     place = study({"dt": DT}).write() / "accuracy.json"
-    with pytest.raises(InputError, match="--from: expected the folder of a finished grainproof accuracy, got .*, a file"):
+    with pytest.raises(InputError, match="--from: expected the folder of a finished .*, got .*, a file; name"):
         read_evidence(load_scene(file), file, quantity=None, folder=place, effects=None, tolerance=0.1)
 
 

@@ -93,9 +93,9 @@ def put(value, *path):
 @pytest.mark.parametrize("change", [
     pop("schema"), pop("tables"), pop("tables", "points"), pop("tables", "slopes"), pop("tables", "oracles"),
     pop("errors"), pop("quantity"), pop("phases"), pop("scene"), pop("tables", "points", 1, "exit"),
-    put([], "tables", "points"), put("fast", "tables", "points", 1, "CPU (ms)"), put(-1.0, "tables", "points", 1, "exit"),
-    put(-1.0, "tables", "points", 1, "CPU (ms)"), put(None, "tables"), put([], "errors"), put("heat", "quantity"),
-    put([], "tables", "oracles"),
+    put([], "tables", "points"), put("fast", "tables", "points", 1, "CPU (ms)"),
+    put(-1.0, "tables", "points", 1, "exit"), put(-1.0, "tables", "points", 1, "CPU (ms)"), put(None, "tables"),
+    put([], "errors"), put("heat", "quantity"), put([], "tables", "oracles"),
 ])
 def test_a_damaged_file_is_refused_in_one_line(tmp_path, change):
     folder = rewritten(study(tmp_path, EVEN), change)
@@ -172,6 +172,6 @@ def test_the_advised_scene_keeps_the_tolerance_at_other_phases(tmp_path, toleran
         tmp_path / "advised.toml", tmp_path / "check", engines=[advice.choice.engine], ladder=[step, step / 2],
         phases=60,
     )
-    found = next(p for t in check.declared for p in t.points if p.value == step).size("exit")
+    found = next(p for t in check.declared for p in t.points if p.rung == step).size("exit")
     assert found <= tolerance
     assert found >= 0.2 * advice.choice.total.error(1), "the expected error is one, and no mere bound"

@@ -2,20 +2,36 @@
 
 import json
 import math
+import re
 import tomllib
 from dataclasses import replace
 
 import pytest
 
+from harness.cli import main
 from harness.engines.registry import find_engine
+from harness.errors import InputError
 from harness.report.frontier import frontier_answer, write_frontier, write_scene_table
+from harness.report.frontier_expected import announcement, likely
 from harness.report.frontier_tables import summary
 from harness.runs.outcome import host_facts
-from harness.studies.frontier import laws, packings
+from harness.runs.progress import Silent
+from harness.studies.frontier import frontiers, laws, packings
+from harness.studies.frontier import search as search_module
+from harness.studies.frontier.keep import Kept
 from harness.studies.frontier.packings import resting_system
-from harness.studies.frontier.probe import growth
-from harness.studies.frontier.study import Frontiers, measured_frontier
+from harness.studies.frontier.probe import Look, growth
+from harness.studies.frontier.search import Search, Wanted, search_all
+from harness.studies.frontier.study import (
+    Frontiers,
+    _planned,
+    frontier_cases,
+    late_packings,
+    measured_frontier,
+    wanted_of,
+)
 from harness.studies.frontier.summary import scene_rows
+from harness.studies.frontier.theory import theory_of
 from postproc.snapshot import Columns, Snapshot
 from postproc.trajectory import Trajectory
 
@@ -95,3 +111,122 @@ def test_growth_of_the_kinetic_energy():
     assert of(frame(1.0, 0.0), frame(3.0, 0.0), frame(2.0, 0.0)) == 9.0
     assert of(frame(1.0, 0.0), frame(0.0, 1.0)) == 4.0
     assert of(frame(1.0, 0.0), frame(math.nan, 0.0)) == math.inf
+
+
+# --- what is kept, said and refused --------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def wanted(tmp_path_factory):
+    rest = resting_system(packings.TRIANGULAR, packings.TRIANGULAR.make(tmp_path_factory.mktemp("p")), laws.ELASTIC)
+    engine = find_engine("kernel:talk")
+    return Wanted(label="kernel: springs", engine=engine, rest=rest, guess=theory_of(rest, engine.name).guess)
+
+
+@pytest.fixture(scope="module")
+def place(wanted, tmp_path_factory):
+    """A folder with one finished frontier."""
+    root = tmp_path_factory.mktemp("kept")
+    (search,) = search_all([wanted], root / "runs", time_limit=60, kept=Kept(folder=root / "frontiers"))
+    return root, search
+
+
+def test_a_finished_frontier_is_taken_from_its_file(wanted, place, monkeypatch):
+    root, search = place
+    monkeypatch.setattr(search_module, "_look_once", lambda *_, **__: pytest.fail("it was searched again"))
+    told = []
+    (again,) = search_all(
+        [wanted], root / "nowhere", time_limit=60, kept=Kept(folder=root / "frontiers"),
+        tell=lambda number, s: told.append((number, s.done)),
+    )
+    assert again == search
+    assert told == [(0, True)]
+
+
+@pytest.mark.parametrize("damage", [
+    lambda text: text[: len(text) // 2], lambda text: text.replace('"stable"', '"unstable"', 1), lambda _: "[]",
+])
+def test_a_damaged_file_is_not_believed_and_a_line_says_so(damage, wanted, place, caplog):
+    root, search = place
+    kept = Kept(folder=root / "damaged")
+    kept.put(wanted, search)
+    assert kept.looks(wanted, search.precision) == search.looks
+    file = kept.place(wanted, search.precision)
+    file.write_text(damage(file.read_text()))
+    assert kept.looks(wanted, search.precision) == []
+    assert "is not what was written; searched anew" in caplog.text
+
+
+def test_names_follow_from_what_decides(wanted, place):
+    kept = Kept(folder=place[0])
+    names = {kept.place(w, p) for w, p in (
+        (wanted, 0.01), (wanted, 0.02), (replace(wanted, guess=2 * wanted.guess), 0.01),
+        (replace(wanted, steps=100), 0.01), (replace(wanted, engine=find_engine("kernel:lammps")), 0.01),
+        (replace(wanted, rest=wanted.rest.with_(gravity=(0.0, -1.0))), 0.01),
+    )}
+    assert len(names) == 6
+    assert kept.place(replace(wanted, label="another"), 0.01) in names
+
+
+def test_a_search_that_says_nothing_is_not_kept(wanted, tmp_path):
+    failed = Search(guess=1.0, looks=[Look(dt=1.0, seen="failed", energy=math.inf, reason="timed out")])
+    kept = Kept(folder=tmp_path / "none")
+    kept.put(wanted, failed)
+    assert not kept.folder.exists()
+
+
+def test_an_interrupt_keeps_what_was_found(wanted, tmp_path, monkeypatch):
+    """The second search meets Ctrl-C; the first one is not made again."""
+    other = replace(wanted, label="other", guess=1.1 * wanted.guess)
+    kept, made = Kept(folder=tmp_path), []
+
+    def looked(wishes, searches, chosen, *_, **__):
+        for k in chosen:
+            made.append(wishes[k].label)
+            dt = searches[k].next_step()
+            limit = wanted.guess
+            searches[k].tell(Look(dt=dt, seen="stable" if dt < limit else "unstable", energy=1.0))
+        if len(made) > 7:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(search_module, "_look_once", looked)
+    monkeypatch.setattr(search_module, "SIDE_BY_SIDE", 1)
+    with pytest.raises(KeyboardInterrupt):
+        search_all([wanted, other], tmp_path, time_limit=1, workers=1, kept=kept)
+    assert len(kept.looks(wanted, search_module.PRECISION)) == made.count(wanted.label)
+    assert kept.looks(other, search_module.PRECISION) == []
+
+
+def test_the_expected_time_is_said_before_anything_is_made(monkeypatch):
+    monkeypatch.setattr("harness.packing.make.make_packing", lambda *_, **__: pytest.fail("a packing was made"))
+    quick, full = (announcement(full=full, engines=["kernel:talk"], workers=1) for full in (False, True))
+    assert re.match(r"expected: about [\d.]+ (s|min) for \d+ frontiers of about 6 runs each, on idle cores; ", quick)
+    assert re.search(r"about [\d.]+ min for (\d+) frontiers", full)
+
+
+def test_the_expected_number_is_that_of_the_plan(tmp_path):
+    plan, _ = _planned(
+        frontier_cases(full=False)[:9], [find_engine("kernel:talk")], tmp_path, late_packings(full=False), Silent()
+    )
+    told = [
+        e for c in frontier_cases(full=False)[:9]
+        for e in wanted_of(c, resting_system(c.packing, likely(c.packing), c.law), [find_engine("kernel:talk")],
+                           late_packings(full=False))[0]
+    ]
+    assert len(plan) == len(told)
+
+
+@pytest.mark.parametrize("table", ["/proc/xx/t.toml", "/proc/t.toml", "/proc"])
+def test_a_table_that_cannot_be_written_is_refused_before_anything_runs(table, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert main(["frontier", "--out", str(out), "--table", table]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("grainproof: --table: expected a file")
+    assert said.count("\n") == 1
+    assert not out.exists()
+
+
+def test_a_file_where_frontiers_are_kept_is_refused(tmp_path):
+    (tmp_path / "frontiers").touch()
+    with pytest.raises(InputError, match="expected a folder"):
+        frontiers(tmp_path, engines=["kernel:talk"])

@@ -118,15 +118,17 @@ def _slowing(width: float, samples: Sequence[Setting], runs: MadeBy) -> str:
     engines = engines_in(samples, runs)
     if not engines:
         return ""
-    parts = []
+    parts, known = [], False
     for wave in (P, S):
         m = over_packings(engines[0], ratios(samples, runs, wave, engines[0]))
+        known = known or m.error is not None
         error = "" if m.error is None else f" +- {100 * m.error:.2g}"
         parts.append(f"{SYMBOL[wave]} is {100 * (1 - m.value):.2g}{error} % lower")
     touch = np.mean([s.packing().contacts_per_sphere for s in samples])
     return (
         f"Disorder {width:g} (sizes differ by up to {width * SMOOTH.overlap:g} of the radius) leaves {touch:.2f} of 12 "
-        f"contacts a sphere: {' and '.join(parts)} ({engines[0]}, {len(samples)} samples, one standard error)."
+        f"contacts a sphere: {' and '.join(parts)} ({engines[0]}, {len(samples)} sample{'s' * (len(samples) > 1)}"
+        f"{', one standard error' if known else ', so no error is known'})."
     )
 
 

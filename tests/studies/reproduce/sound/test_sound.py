@@ -203,3 +203,18 @@ def test_what_arrives_is_told_by_frequency():
     assert frequency.max() < cut
     assert part[frequency < 0.25 * cut] == pytest.approx(0.5, rel=1e-9)
     assert part[frequency > 0.42 * cut] == pytest.approx(0.1, rel=1e-9)
+
+
+@pytest.mark.parametrize(("error", "count", "said"), [
+    (None, 1, "(lammps, 1 sample, so no error is known)."), (0.01, 3, "(lammps, 3 samples, one standard error)."),
+])
+def test_one_sample_has_no_error(error, count, said, monkeypatch):
+    from harness.studies.reproduce import sound
+
+    monkeypatch.setattr(sound, "engines_in", lambda *_: ["lammps"])
+    monkeypatch.setattr(sound, "ratios", lambda *_: [])
+    monkeypatch.setattr(sound, "over_packings", lambda *_: SimpleNamespace(value=0.95, error=error))
+    sample = SimpleNamespace(packing=lambda: SimpleNamespace(contacts_per_sphere=11.5))
+    words = sound._slowing(0.001, [sample] * count, {})
+    assert words.endswith(said)
+    assert ("+-" in words) == (error is not None)
