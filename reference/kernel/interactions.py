@@ -65,6 +65,7 @@ class Interaction:
         arms = model.convention
         self.slip_arm = arms.slip_arm if walls is None else arms.wall_slip_arm
         self.torque_arm = arms.torque_arm if walls is None else arms.wall_torque_arm
+        self.turns_normals_back = walls is None and arms.slip_normal == "middle" and model.dimension == 3
         self.last: Forces | None = None
         self.prepare: Callable[[Touching], Touching] | None = None
         """What a scheme does to the kinematics of a step before the laws see them."""
@@ -90,15 +91,17 @@ class Interaction:
             return j >= walls.stop
         return j < walls.start if self.walls is None else np.isin(j - walls.start, self.walls)
 
-    def evaluate(self, state: State, v: np.ndarray, spin: np.ndarray, dt: float, *, advance: bool) -> Forces:
+    def evaluate(
+        self, state: State, v: np.ndarray, spin: np.ndarray, dt: float, *, advance: bool, lag: float = 0.0
+    ) -> Forces:
         """Return the contact forces, and what contacts remember after them; nothing is changed by it.
 
         With `advance` memories have moved on by dt. Without it time stands still: springs are neither
-        turned nor stretched nor cut.
+        turned nor stretched nor cut. lag: the time by which v and spin are those of before, s: dt/2 in the leapfrog.
         """
         touching, n, overlap = self._overlaps(state)
         i, j = self.pairs.i[touching], self.pairs.j[touching]
-        contact = self._kinematics(state, v, spin, i, j, n, overlap)
+        contact = self._kinematics(state, v, spin, i, j, n, overlap, lag)
         if advance and self.prepare is not None:
             contact = self.prepare(contact)
         memory = self.pairs.recall(touching)
@@ -137,13 +140,13 @@ class Interaction:
             n /= distance[touching]
         return touching, n, overlap[touching]
 
-    def _kinematics(self, state, v, spin, i, j, n, overlap) -> Touching:
+    def _kinematics(self, state, v, spin, i, j, n, overlap, lag) -> Touching:
         """Return the touching contacts with what their laws need, and no more."""
         v_ij = v.take(i, axis=1) - v.take(j, axis=1)
         v_n = dot(v_ij, n)
         wanted = {}
         if "v_t" in self.needs:
-            wanted |= self._slip(state, spin, i, j, n, overlap, v_ij - v_n * n)
+            wanted |= self._slip(state, spin, i, j, n, overlap, v_ij - v_n * n, lag)
         if "spin" in self.needs:
             wanted["spin"] = self._relative_spin(state, spin, i, j, overlap)
         if "reduced_radius" in self.needs:
@@ -152,11 +155,16 @@ class Interaction:
             wanted["reduced_mass"] = self._reduced(self.model.mass, i, j)
         return Touching(i=i, j=j, n=n, overlap=overlap, v_n=v_n, **wanted)
 
-    def _slip(self, state, spin, i, j, n, overlap, v_across) -> dict[str, np.ndarray]:
-        """Slip velocity, from that of the centres across the normal and the spins, and the torque's arms."""
+    def _slip(self, state, spin, i, j, n, overlap, v_across, lag) -> dict[str, np.ndarray]:
+        """Slip velocity, from that of the centres across the normal and the spins, and the torque's arms.
+
+        The normal is turned back by the lag where the convention asks for that.
+        """
         radius_i, radius_j = state.radius.take(i), state.radius.take(j)
         slip_i, slip_j = _arms(radius_i, radius_j, overlap, self.slip_arm)
         turning = slip_i * spin.take(i, axis=1) + slip_j * spin.take(j, axis=1)
+        if self.turns_normals_back:
+            turning += lag / (radius_i + radius_j - overlap) * dot(turning, n) * v_across
         arm_i, arm_j = _arms(radius_i, radius_j, overlap, self.torque_arm)
         return {"v_t": v_across - spin_cross(turning, n), "torque_arm_i": arm_i, "torque_arm_j": arm_j}
 

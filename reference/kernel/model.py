@@ -224,6 +224,11 @@ class Model:
         return replace(self, dt=np.longdouble(self.dt), rings=rings, **_in_long_double(self, arrays))
 
     @property
+    def lag(self) -> float:
+        """Return by how much velocities are older than the places in the forces of a step, s: dt/2 in the leapfrog."""
+        return 0.5 * self.dt if self.convention.scheme == "leapfrog" else 0.0
+
+    @property
     def turns(self) -> bool:
         """Whether any law exerts torques."""
         return not self.sliding is self.rolling is self.torsion is None

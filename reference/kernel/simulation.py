@@ -62,7 +62,7 @@ class Simulation:
             self.walls.move()
             self._turn_rings()
             self.renew_candidates()
-            self.evaluate(advance=True)
+            self.evaluate(advance=True, lag=self.model.lag)
             self.refuse_what_laws_cannot_tell(before)
             self._kick()
             self.walls.kick()
@@ -108,14 +108,17 @@ class Simulation:
 
     # --- forces --------------------------------------------------------------------------------
 
-    def evaluate(self, *, advance: bool) -> None:
-        """Compute all forces and torques at the positions of now; with `advance` memories move on by dt."""
+    def evaluate(self, *, advance: bool, lag: float = 0.0) -> None:
+        """Compute all forces and torques at the positions of now; with `advance` memories move on by dt.
+
+        lag: the time by which velocities and spins are those of before, s.
+        """
         s, m = self.state, self.model
         s.force[:] = 0.0
         if s.torque is not None:
             s.torque[:] = 0.0
         for interaction in self.interactions:
-            forces = interaction.evaluate(s, s.v, s.spin, m.dt, advance=advance)
+            forces = interaction.evaluate(s, s.v, s.spin, m.dt, advance=advance, lag=lag)
             interaction.remember(forces)
             interaction.last = forces
             interaction.add_to(forces, s.force, s.torque)

@@ -253,7 +253,7 @@ class ProgramSimulation:
         self.walls.write(state)
         for interaction in self._textbook.interactions:
             rows = self._hand_pairs_to(interaction)
-            forces = interaction.evaluate(state, *half, self.model.dt, advance=False)
+            forces = interaction.evaluate(state, *half, self.model.dt, advance=False, lag=self.model.lag)
             interaction.last = self._as_they_acted(interaction, forces, rows[forces.touching])
         self._in_step = True
 

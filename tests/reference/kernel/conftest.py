@@ -367,7 +367,7 @@ class PlainDem:
         if j >= 0 or m.walls[-1 - j].friction:
             gripping = grip(m.normal, total, elastic, pull)
             c.base = abs(gripping) if m.convention.limit == "absolute" else max(gripping, 0.0)
-            self.turning(c, key, add(v, n, -v_n))
+            self.turning(c, key, add(v, n, -v_n), advance)
             if m.sliding is not None:
                 f_t, new["sliding"], slides["sliding"] = sliding(m.sliding, c, kept.get("sliding"), m.dt, advance)
                 force = add(force, f_t)
@@ -381,7 +381,7 @@ class PlainDem:
         self.rows.append(SimpleNamespace(key=key, overlap=overlap, n=n, force=force, memory=new, slides=slides))
         return force, couple
 
-    def turning(self, c, key, v_across):
+    def turning(self, c, key, v_across, advance):
         (i, j), convention = key, self.m.convention
         c.spin_i, c.spin_j = self.w[i], self.w[j] if j >= 0 else [0.0] * 3
         slip = convention.slip_arm if j >= 0 else convention.wall_slip_arm
@@ -392,6 +392,10 @@ class PlainDem:
             radius = self.m.radius[i]
             c.spin_i = scaled(self.w[i], (radius - c.overlap / 2) / (radius - c.overlap))
         c.v_t, c.spin = add(v_across, cross(turning, c.n), -1), add(c.spin_i, c.spin_j, -1)
+        if convention.slip_normal == "middle" and j >= 0 and advance:
+            distance = self.m.radius[i] + self.m.radius[j] - c.overlap
+            halfway = add(c.n, v_across, -self.m.dt / 2 / distance)
+            c.v_t = across(add(v_across, cross(turning, halfway), -1), c.n)
 
     def arm(self, i, overlap, kind):
         return self.m.radius[i] - (0.0 if kind == "radius" else overlap / 2)

@@ -59,9 +59,22 @@ def test_finished_runs_are_kept(done):
 
 @pytest.mark.long
 def test_springs_wind_up_where_slip_and_normal_are_of_two_times(tmp_path):
-    """At contacts askew to the axis of a rigid turn, by dt/2 Omega^2 r sin a cos a; not in the second-order scheme."""
-    found = stability(["rotation_locked_dmt_3d"], tmp_path, engines=["kernel:talk", "kernel:corrected"])
-    assert {r.engine: r.ended for r in found.results} == {"kernel:talk": "degraded", "kernel:corrected": "stable"}
+    """At contacts askew to the axis of a rigid turn, by dt/2 Omega^2 r sin a cos a; not where both are of one time."""
+    engines = ["kernel:lammps", "kernel:talk", "kernel:corrected"]
+    found = stability(["rotation_locked_dmt_3d"], tmp_path, engines=engines)
+    assert {r.engine: r.ended for r in found.results} == {
+        "kernel:lammps": "degraded", "kernel:talk": "stable", "kernel:corrected": "stable"}
+    assert found.exit_status == 0
+
+
+@pytest.mark.long
+def test_a_long_turn_makes_energy_without_a_word(tmp_path):
+    """In LAMMPS, with nothing but its own numbers to be seen by; `kernel:talk` makes none."""
+    if not ENGINES["lammps"].probe().available:
+        pytest.skip("lammps is not installed")
+    found = stability(["rotation_locked_long_3d"], tmp_path, engines=["lammps", "kernel:talk"])
+    assert {r.engine: r.ended for r in found.results} == {"lammps": "failed_silently", "kernel:talk": "stable"}
+    assert found.of("rotation_locked_long_3d", "lammps").reason.startswith("energy_not_created")
     assert found.exit_status == 0
 
 

@@ -1,7 +1,10 @@
 """What spins do at contacts in 3D: slip, relative rolling and twisting, and the sum of torques.
 
-    v_t = v - v_n n - (a_i omega_i + a_j omega_j) x n,    rolling = a* (omega_i - omega_j)
+    v_t = v - v_n n - T x n,    T = a_i omega_i + a_j omega_j,    rolling = a* (omega_i - omega_j)
     torque on i: -a_i n x f_t - couple,                   torque on j: -a_j n x f_t + couple
+
+Where the slip of a step is measured with the normal of its middle (`reference.kernel.conventions`), T grows by
+dt/2 (T.n) (v - v_n n)/|d| before.
 """
 
 from __future__ import annotations
@@ -55,11 +58,24 @@ def _slip(p: Program, c: SpaceContacts, turning: np.ndarray) -> None:
     c.v_t = c.u
     p(np.multiply, c.normal, c.v_n, out=c.z)
     p(np.subtract, c.u, c.z, out=c.v_t)
+    if c.lag is not None:
+        _turn_normals_back(p, c, turning)
     cross(p, turning, c.normal, c.a, out=c.z)
     p(np.subtract, c.v_t, c.z, out=c.v_t)
     p(np.multiply, c.v_t, c.touching, out=c.v_t)
     if c.smooth_pairs.start < c.smooth_pairs.stop:
         p.fill(c.v_t[:, c.smooth_pairs], 0.0)
+
+
+def _turn_normals_back(p: Program, c: SpaceContacts, turning: np.ndarray) -> None:
+    """turning += lag (turning.n) v_t/|d|, v_t being that of the centres still."""
+    share, factor = c.a, c.b
+    dot(p, turning, c.normal, c.z, out=share)
+    p(np.subtract, c.radius_sum, c.overlap, out=factor)
+    p(np.divide, c.lag, factor, out=factor)
+    p(np.multiply, share, factor, out=share)
+    p(np.multiply, c.v_t, share, out=c.z)
+    p(np.add, turning, c.z, out=turning)
 
 
 def rolling_velocity(p: Program, c: SpaceContacts) -> np.ndarray:
