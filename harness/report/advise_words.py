@@ -137,5 +137,14 @@ def _percent(value: float) -> str:
 def _seconds(value: float) -> str:
     for size, unit in ((3600.0, "h"), (60.0, "min"), (1.0, "s"), (1e-3, "ms")):
         if value >= size:
-            return f"{value / size:.2g} {unit}"
-    return f"{1e6 * value:.2g} us"
+            return f"{_two_digits(value / size)} {unit}"
+    return f"{_two_digits(1e6 * value)} us"
+
+
+def _two_digits(value: float) -> str:
+    """Write two digits, and no power of ten: 320, 4.1, 0.05.
+
+    >>> _two_digits(316.2), _two_digits(4.14)
+    ('320', '4.1')
+    """
+    return f"{float(f'{value:.2g}'):g}"

@@ -19,7 +19,7 @@ SHOWN_LINES = 2
 LONGEST_LINE = 60
 """Characters of a line on the page."""
 
-LONGEST_WHY = 160
+LONGEST_WHY = 200
 """Characters of a reason on the page."""
 
 BETWEEN = " | "
