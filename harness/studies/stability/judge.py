@@ -30,6 +30,9 @@ Ended = Literal[
 
 BAD: tuple[Ended, ...] = ("degraded", "failed_loudly", "failed_silently")
 
+OWN = ("kernel:talk", "kernel:corrected")
+"""The kernel in conventions of its own."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Held:
@@ -85,8 +88,8 @@ class Result:
 
     @property
     def kernel_failed_silently(self) -> bool:
-        """What may never be."""
-        return self.engine.startswith("kernel") and self.ended == "failed_silently"
+        """What may never be. In the conventions of a code the kernel fails as that code does, which is declared."""
+        return self.engine in OWN and self.ended == "failed_silently"
 
 
 def judge_run(case: Case, engine: str, outcome: Outcome, seen: Seen | None, twins: Mapping[str, Seen | None]) -> Result:

@@ -1,6 +1,7 @@
 """What a run is called: by how the code ended, and by what its invariants say."""
 
 import math
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from types import SimpleNamespace
@@ -117,6 +118,7 @@ def test_the_kernel_may_not_fail_silently_even_when_declared():
     result = Result(case="c", engine="kernel:talk", ended=silent, reason="", expected=silent, known="")
     assert result.as_declared
     assert result.kernel_failed_silently
+    assert not replace(result, engine="kernel:lammps").kernel_failed_silently, "it does what LAMMPS does"
 
 
 def test_a_refusal_must_name_what_was_declared():
