@@ -41,12 +41,15 @@ def summary(done: Frontiers) -> str:
     """Return one line: how many, how far from theory, and where a scene's formula would be too large."""
     compared = [f for f in done.found if f.deviation is not None]
     worst = max((abs(f.deviation) for f in compared), default=None)
-    never = sum(f.never for f in done.found)
+    refused = sum(f.refused for f in done.found)
+    never = sum(f.never for f in done.found) - refused
     words = [f"{len(done.found)} frontiers of {', '.join(done.versions)}"]
     if worst is not None:
         words.append(f"{len(compared)} against theory, largest deviation {100 * worst:.2g} %")
     if never:
         words.append(f"{never} without any stable step")
+    if refused:
+        words.append(f"{refused} refused at every step")
     least = [f.measured / f.formula for f in done.found if f.measured and not felt_late(f.engine, f.system)]
     if least:
         words.append(f"measured over the formula that scenes are refused by: {min(least):.3g} to {max(least):.3g}")

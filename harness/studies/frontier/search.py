@@ -29,6 +29,9 @@ WIDEN = 1.6
 LOWEST, HIGHEST = 0.1, 8.0
 """Of the guess: nothing is looked for beyond."""
 
+REFUSED, BEFORE_A_STEP = "refused", "step 0:"
+"""Word for an engine that does not begin at all, and what its reasons say then."""
+
 LOOKS = 5
 """That a search takes, about (measured: 5.1 on the mean of 36)."""
 
@@ -62,7 +65,8 @@ class Search:
         if failed is not None:
             return failed.reason
         if self.stable is None and self.unstable is not None and self.unstable <= LOWEST * self.guess * 1.001:
-            return f"unstable at every step down to {LOWEST:g} of the guess"
+            how = REFUSED if all(BEFORE_A_STEP in x.reason for x in self.looks) else "unstable"
+            return f"{how} at every step down to {LOWEST:g} of the guess"
         if self.unstable is None and self.stable is not None and self.stable >= HIGHEST * self.guess / 1.001:
             return f"stable at every step up to {HIGHEST:g} of the guess"
         return ""

@@ -23,7 +23,7 @@ from harness.studies.frontier.laws import LawCase
 from harness.studies.frontier.map import AXES
 from harness.studies.frontier.packings import PackingCase, resting_system
 from harness.studies.frontier.probe import LATE_STEPS, STEPS
-from harness.studies.frontier.search import LOOKS, Search, Wanted, search_all
+from harness.studies.frontier.search import LOOKS, REFUSED, Search, Wanted, search_all
 from harness.studies.frontier.theory import Theory, felt_late, linear_packing, scheme, theory_of, touching
 
 if TYPE_CHECKING:
@@ -71,10 +71,18 @@ class Frontier:
 
     @property
     def measured(self) -> float | None:
-        """Middle of the bracket, s; 0 where theory says that no step is stable and none was found."""
+        """Middle of the bracket, s; 0 where every step is unstable; None where nothing was measured.
+
+        An engine that refuses every step was not measured, but where theory says that none is stable, they agree.
+        """
         if self.stable is not None and self.unstable is not None:
             return math.sqrt(self.stable * self.unstable)
-        return 0.0 if self.never else None
+        return 0.0 if self.never and not (self.refused and self.exact) else None
+
+    @property
+    def refused(self) -> bool:
+        """Whether the engine began at none of the steps: it is more careful than theory, or right."""
+        return self.fault.startswith(REFUSED)
 
     @property
     def never(self) -> bool:
@@ -119,9 +127,9 @@ class Frontiers:
 
     @property
     def exit_status(self) -> int:
-        """1 when a frontier differs from theory, one was not found, or nothing was compared."""
+        """1 when a frontier differs from theory, one was not found, or nothing was compared; a refusal is an answer."""
         verdicts = [f.verdict for f in self.found]
-        missing = any(f.measured is None for f in self.found)
+        missing = any(f.measured is None and not f.refused for f in self.found)
         return 1 if missing or "differs" in verdicts or "agrees" not in verdicts else 0
 
 

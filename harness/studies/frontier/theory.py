@@ -51,9 +51,10 @@ def scheme(engine: str) -> str:
 
 
 def felt_late(engine: str, rest: System) -> bool:
-    """Whether an engine feels springs of this system one step late."""
+    """Whether an engine feels springs of this system one step late; Mindlin's has no stiffness of its own."""
     springs = ((rest.sliding, "shear_stiffness"), (rest.rolling, "rolling_stiffness"))
-    return scheme(engine) == "late" and any(hasattr(law, name) for law, name in springs)
+    own = any(hasattr(law, name) for law, name in springs)
+    return scheme(engine) == "late" and (own or isinstance(rest.sliding, MindlinSliding))
 
 
 def theory_of(rest: System, engine: str) -> Theory:

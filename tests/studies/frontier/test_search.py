@@ -1,11 +1,13 @@
 """Bisection against codes that are stable up to a known step, never, always, or not to be asked."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
 from harness.studies.frontier.probe import Look
 from harness.studies.frontier.search import HIGHEST, LOWEST, Search
+from harness.studies.frontier.study import Frontier
 
 
 def run(search, answer):
@@ -41,6 +43,25 @@ def test_a_code_that_is_never_stable():
     assert search.stable is None
     assert search.unstable == pytest.approx(LOWEST)
     assert search.fault.startswith("unstable at every step")
+
+
+def test_a_code_that_does_not_begin_was_not_measured():
+    """Refused is not unstable: theory may know of a step that the code is too careful for."""
+    search = Search(guess=1.0)
+    run(search, lambda dt: Look(dt=dt, seen="unstable", energy=math.inf, reason="unstable: step 0: felt a step late"))
+    assert search.fault.startswith("refused at every step")
+    found = frontier(exact=0.5, fault=search.fault, unstable=search.unstable)
+    assert (found.measured, found.deviation, found.verdict) == (None, None, "not_checked")
+    agreed = replace(found, exact=0.0)
+    assert (agreed.measured, agreed.deviation, agreed.verdict) == (0.0, 0.0, "agrees")
+    assert replace(found, fault="unstable at every step down to 0.1 of the guess").verdict == "differs"
+
+
+def frontier(**facts):
+    return Frontier(
+        engine="kernel:talk", law="rolling spring", packing="lattice", system=None, particles=2, contacts=1, unit=1.0,
+        formula=1.0, linear=True, note="", stable=None, looks=6, **facts,
+    )
 
 
 def test_a_code_that_is_always_stable():
