@@ -20,7 +20,7 @@ import numpy as np
 from harness.engines.benches import timed_as
 from harness.engines.session import Lost, Session
 from harness.runs.outcome import host_facts
-from harness.studies.accuracy.sealed import read_sealed, write_sealed
+from harness.runs.sealed import read_sealed, write_sealed
 
 if TYPE_CHECKING:
     from harness.engines.timed import Timed

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from harness.engines.registry import KERNEL_PREFIX, find_engine
+from harness.runs.sealed import read_sealed, write_sealed
 from harness.studies.accuracy.exits import Exits
 from harness.studies.accuracy.oracle import Oracle, oracle
-from harness.studies.accuracy.sealed import read_sealed, write_sealed
 
 if TYPE_CHECKING:
     from harness.scene.system import System

@@ -1,35 +1,30 @@
 """Finished searches are kept, each in a file named by everything that decides it and sealed by a checksum.
 
 A search that met a run which says nothing about stability (the code crashed at once, time was up) is not kept: the next
-call may fare better. A file that is not what was written is searched anew, and a line says so.
+call may fare better.
 """
 
 from __future__ import annotations
 
 import hashlib
 import json
-import logging
 import math
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from harness.runs.atomic import write_json_atomic
+from harness.runs.sealed import read_sealed, write_sealed
 from harness.studies.frontier import probe
 from harness.studies.frontier.probe import Look
 
 if TYPE_CHECKING:
     from harness.studies.frontier.search import Search, Wanted
 
-log = logging.getLogger(__name__)
-
 SCHEMA = 1
 """Of these files and of what a search does: raise it when either changes."""
 
 PROBE = {name: getattr(probe, name) for name in ("FRAMES", "AMPLITUDE", "GROWN", "SEED")}
 """What a look does besides its number of steps."""
-
-SEAL = "sha256"
 
 
 @dataclass(kw_only=True)
@@ -53,26 +48,15 @@ class Kept:
 
     def looks(self, wanted: Wanted, precision: float) -> list[Look]:
         """Return the looks of a finished search; none if it was not made yet, or is damaged."""
-        place = self.place(wanted, precision)
-        try:
-            data = json.loads(place.read_text())
-            if data["looks"] and data.pop(SEAL) == _sha256(data):
-                return [Look(**look | {"energy": _number(look["energy"])}) for look in data["looks"]]
-        except FileNotFoundError:
-            return []
-        except (OSError, ValueError, KeyError, TypeError, AttributeError):
-            pass
-        log.warning("%s: %s is not what was written; searched anew", wanted.label, place.name)
-        return []
+        data = read_sealed(self.place(wanted, precision), f"{wanted.label} is")
+        return [] if data is None else [Look(**look | {"energy": _number(look["energy"])}) for look in data["looks"]]
 
     def put(self, wanted: Wanted, search: Search) -> None:
         """Keep a finished search."""
         if any(look.seen == "failed" for look in search.looks):
             return
         looks = [asdict(look) | {"energy": None if math.isinf(look.energy) else look.energy} for look in search.looks]
-        data = {"frontier": wanted.label, "looks": looks}
-        self.folder.mkdir(parents=True, exist_ok=True)
-        write_json_atomic(self.place(wanted, search.precision), data | {SEAL: _sha256(data)})
+        write_sealed(self.place(wanted, search.precision), {"frontier": wanted.label, "looks": looks})
 
 
 def _number(energy: float | None) -> float:

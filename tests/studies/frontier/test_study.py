@@ -160,7 +160,7 @@ def test_a_damaged_file_is_not_believed_and_a_line_says_so(damage, wanted, place
     file = kept.place(wanted, search.precision)
     file.write_text(damage(file.read_text()))
     assert kept.looks(wanted, search.precision) == []
-    assert "is not what was written; searched anew" in caplog.text
+    assert "it is not what was written; kernel: springs is made again" in caplog.text
 
 
 def test_names_follow_from_what_decides(wanted, place):

@@ -7,11 +7,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from harness.runs.sealed import read_sealed, write_sealed
 from harness.studies.accuracy import cost, keep
 from harness.studies.accuracy.cost import measure_costs
 from harness.studies.accuracy.exits import Exits
 from harness.studies.accuracy.oracle import Oracle
-from harness.studies.accuracy.sealed import read_sealed, write_sealed
 
 
 def cut(place):
