@@ -1,6 +1,6 @@
 """Advice on time step, stiffness, rate, number of particles and effects, from measured ladders."""
 
-from harness.studies.advise.evidence import read_evidence
+from harness.studies.advise.read import read_evidence
 from harness.studies.advise.study import Advice, advise
 
 __all__ = ["Advice", "advise", "read_evidence"]

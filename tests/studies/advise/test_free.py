@@ -15,8 +15,8 @@ from harness.scene.load import load_scene
 from harness.scene.write import write_scene
 from harness.studies.accuracy import accuracy
 from harness.studies.advise import advise, read_evidence
-from harness.studies.advise.evidence import _of_rms
 from harness.studies.advise.files import FREE_SCHEMA
+from harness.studies.advise.free_ladders import _of_rms
 
 FILE = Path(__file__).resolve().parents[3] / "inputs" / "scenes" / "oblique_impact.toml"
 BEYOND = "beyond the scene's limit of"
