@@ -21,6 +21,7 @@ from dataclasses import replace as replaced
 import numpy as np
 from msgspec.structs import replace
 
+from harness.scene.model import Biaxial
 from harness.studies.reproduce.boxes import (
     LARGEST,
     PAPER_COUNT,
@@ -38,6 +39,7 @@ from harness.studies.reproduce.boxes import (
     shipped,
     varied,
 )
+from harness.studies.reproduce.drives import drive_cases, drive_rows, drive_words
 from harness.studies.reproduce.protocol import Ask, Case, Chart, Declared, Line, Measured, Picture, Result, Row, Study
 from harness.studies.reproduce.rows import Spread, Within, compared, over_packings, spanned
 from harness.studies.reproduce.runs import Made, by_engine, engines_of, run_cases, study_runs, unsupported
@@ -74,7 +76,13 @@ def cases(ask: Ask) -> list[Case]:
     main, *others = (DURATIONS[ask.size][MAIN], *(t for k, t in enumerate(DURATIONS[ask.size]) if k != MAIN))
     found = [_case(ask, p, r, main) for p in PRESSURES for r in RATIOS]
     found += [_case(ask, LOW, r, main, memory=True) for r in RATIOS]
-    return found + [_case(ask, p, r, t) for t in others for p in PRESSURES for r in OF_RATE]
+    found += [_case(ask, p, r, t) for t in others for p in PRESSURES for r in OF_RATE]
+    return found + drive_cases(_without_adhesion(found), FILE)
+
+
+def _without_adhesion(planned: Sequence[Case]) -> dict[float, Biaxial]:
+    """Return the main tests at k_c = 0, by side pressure: of those the drive is varied further."""
+    return {c.scene.side.pressure: c.scene for c in planned[:len(PRESSURES) * len(RATIOS):len(RATIOS)]}
 
 
 def _case(ask: Ask, pressure: float, ratio: str, duration: float, *, memory: bool = False) -> Case:
@@ -112,13 +120,16 @@ def run(ask: Ask) -> Result:
     rated = [(r, p) for r in OF_RATE for p in PRESSURES]
     rates = [point for r, p in rated for point in _rate_points(made, planned, p, r)]
     of_main = [c for c in planned if c.scene.top.duration == main]
+    drives = drive_rows(made, _without_adhesion(planned), {p: _talk_plateau(p, "0") for p in PRESSURES})
     return Result(
         rows=(*rows, *again), rates=tuple(rates), rate_words=rate_words(rates, what="plateau stress"),
         runs=study_runs(made),
         checks=tuple(box_checks(made, of_main, {PLATEAU: UNITS[PLATEAU]}, rerun_of("cohesion", ask))),
-        pictures=_pictures(made, lines, remembered, main), words=_words(rows, again), unsupported=unsupported(made),
+        pictures=_pictures(made, lines, remembered, main), words=_words(rows, again, drives),
+        unsupported=unsupported(made),
         tables={
             "Other readings: the plateau or the top of the smoothed curve": reading_rows(made, main),
+            "Other drives and a heavier side wall, k_c = 0": drives,
             "Tests": _test_rows(made, of_main),
         },
     )
@@ -174,6 +185,10 @@ def slope(lines: Mapping[tuple[str, str], Mapping[str, Measured]], engine: str) 
 
 def _key(ratio: str) -> str:
     return f"{RATIOS[ratio]:g}".replace(".", "_")
+
+
+def _talk_plateau(pressure: float, ratio: str) -> float:
+    return published_values()[f"talk_cohesion_{pressure:g}_{_key(ratio)}"].value
 
 
 def _plateau_rows(made: Sequence[Made], ask: Ask, main: float, *, memory: bool = False) -> list[Row]:
@@ -280,7 +295,7 @@ def _plateau_chart(made: Sequence[Made], engines: Sequence[str], pressure: float
         known = [e for e in engines if all(e in m for m in of)]
         what = MEMORY if memory else "prepared at p_x"
         lines += [_points(f"{e}, {what}", x, [m[e] for m in of]) for e in known]
-    talk = [published_values()[f"talk_cohesion_{pressure:g}_{_key(r)}"].value for r in RATIOS]
+    talk = [_talk_plateau(pressure, r) for r in RATIOS]
     return Chart(
         name=f"plateaus_{pressure:g}", x="k_c/k_2", y="σ_zz at the plateau (N/m)",
         caption=f"Plateau stresses at p_x = {pressure:g} N/m; bars: standard error over packings.",
@@ -309,7 +324,7 @@ def _errors(found: Sequence[Measured]) -> np.ndarray | None:
     return np.array([m.error for m in found])
 
 
-def _words(rows: Sequence[Row], again: Sequence[Row]) -> tuple[str, ...]:
+def _words(rows: Sequence[Row], again: Sequence[Row], drives: Sequence[Mapping]) -> tuple[str, ...]:
     """Say how far the numbers lie from the talk's, from the rows themselves."""
     return (
         f"Ours over the talk's, less one, over all engines. Prepared at p_x: {_apart(rows)}. "
@@ -322,6 +337,7 @@ def _words(rows: Sequence[Row], again: Sequence[Row]) -> tuple[str, ...]:
         "Not printed in the talk either: rate, mass and damping of the side wall, and where on the curve sigma_zz "
         "was read. Here the side wall is light, so that the sample carries p_x; packings are frictionless and "
         "isotropic, on springs k_1.",
+        *([drive_words(drives)] if drives else []),
         "LAMMPS has no such law. LIGGGHTS computes its dashpot with up to twelve sizes of discs, hence radii in twelve "
         "steps.",
     )
