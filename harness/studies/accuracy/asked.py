@@ -66,7 +66,7 @@ def _rate(*ladder: float) -> Knob:
 LAW = Knob(name="law", value="law", ladder=(), largest=0.0, words=True)
 
 BOX = {
-    "dt": _dt(8.0, 4.0, 2.0, 1.0),
+    "dt": _dt(8.0, 4.0, 2.0, 1.0, 0.5),
     "stiffness": _stiffness(1 / 64, 1 / 16, 1 / 4, 1.0),
     "rate": _rate(8.0, 4.0, 2.0, 1.0),
     "size": Knob(  # first order in 1/side: layers at walls are a few particles thick

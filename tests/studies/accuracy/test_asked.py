@@ -63,7 +63,7 @@ def test_boxes_turn_several_knobs_at_once():
     assert [a.knob.name for a in found] == ["dt", "stiffness", "rate", "size", "width"]
     assert {a.quantity for a in found} == {"friction_angle"}
     dt, stiffness, rate, size, width = (a.values for a in found)
-    assert dt == pytest.approx((0.36, 0.18, 0.09, 0.045))
+    assert dt == pytest.approx((0.36, 0.18, 0.09, 0.045, 0.0225))
     assert stiffness == (1 / 64, 1 / 16, 1 / 4, 1.0)
     assert rate == (8.0, 4.0, 2.0, 1.0)
     assert size == (50.0, 100.0, 200.0)

@@ -43,7 +43,8 @@ def test_only_drive_and_wall_change(scenes, ask):
     assert len({c.scene.title for c in planned}) == 12
     for c in planned:
         own = scenes[c.scene.side.pressure]
-        assert (c.scene.contact, c.scene.particles, c.scene.preparation) == (own.contact, own.particles, own.preparation)
+        for same in ("contact", "particles", "preparation"):
+            assert getattr(c.scene, same) == getattr(own, same)
         assert c.scene.top.duration in drives.DURATIONS
         assert c.scene.side.mass in (own.side.mass, grains_of(own).total_mass)
     masses = {c.scene.side.mass for c in planned}
