@@ -120,7 +120,7 @@ def run(ask: Ask) -> Result:
     rated = [(r, p) for r in OF_RATE for p in PRESSURES]
     rates = [point for r, p in rated for point in _rate_points(made, planned, p, r)]
     of_main = [c for c in planned if c.scene.top.duration == main]
-    drives = drive_rows(made, _without_adhesion(planned), {p: _talk_plateau(p, "0") for p in PRESSURES})
+    drives = drive_rows(made, _without_adhesion(planned), _talk_without_adhesion())
     return Result(
         rows=(*rows, *again), rates=tuple(rates), rate_words=rate_words(rates, what="plateau stress"),
         runs=study_runs(made),
@@ -185,6 +185,10 @@ def slope(lines: Mapping[tuple[str, str], Mapping[str, Measured]], engine: str) 
 
 def _key(ratio: str) -> str:
     return f"{RATIOS[ratio]:g}".replace(".", "_")
+
+
+def _talk_without_adhesion() -> dict[float, float]:
+    return {p: _talk_plateau(p, "0") for p in PRESSURES}
 
 
 def _talk_plateau(pressure: float, ratio: str) -> float:
@@ -337,7 +341,7 @@ def _words(rows: Sequence[Row], again: Sequence[Row], drives: Sequence[Mapping])
         "Not printed in the talk either: rate, mass and damping of the side wall, and where on the curve sigma_zz "
         "was read. Here the side wall is light, so that the sample carries p_x; packings are frictionless and "
         "isotropic, on springs k_1.",
-        *([drive_words(drives)] if drives else []),
+        *([drive_words(drives, _talk_without_adhesion())] if drives else []),
         "LAMMPS has no such law. LIGGGHTS computes its dashpot with up to twelve sizes of discs, hence radii in twelve "
         "steps.",
     )

@@ -100,14 +100,23 @@ def _line(side: Sequence[float], axial: Sequence[float]) -> tuple[float | None, 
     return (None, None) if isinstance(line, Unavailable) else (line.angle.value, line.cohesion.value)
 
 
-def drive_words(rows: Sequence[Mapping]) -> str:
-    """Say which drive comes nearest to the talk's two stresses, and how near; of one row at least."""
+def drive_words(rows: Sequence[Mapping], talk: Mapping[float, float]) -> str:
+    """Say which drive comes nearest to the talk's two stresses (N/m, by pressure), and how near.
+
+    Raises ValueError without a row.
+    """
     best = min(rows, key=lambda r: r["off the talk"])
-    off = 100.0 * best["off the talk"]
-    said = "This would explain the talk's stresses" if off < 10.0 else "None of them explains the talk's stresses"
+    angle, cohesion = _line(list(talk), list(talk.values()))
     return (
         f"Other drives at k_c = 0 (table below): {len(rows)} readings of durations from {min(DURATIONS):g} to "
         f"{max(DURATIONS):g} s and of a side wall as in the study or as heavy as the sample. Nearest to the talk at "
         f"both pressures comes the {best['read']} of the curve at T = {best['T (s)']:g} s with a side wall "
-        f"{best['side wall']}: {off:.0f} % off at worst. {said}."
+        f"{best['side wall']}: {100.0 * best['off the talk']:.0f} % off at worst; the line through it has "
+        f"phi = {_said(best['phi, from p_x (deg)'], '.1f')} degrees and c = "
+        f"{_said(best['c, from p_x (N/m)'], '.0f')} N/m (the talk's two stresses: {_said(angle, '.1f')} and "
+        f"{_said(cohesion, '.0f')})."
     )
+
+
+def _said(value: float | None, digits: str) -> str:
+    return "none" if value is None else f"{value:{digits}}"
