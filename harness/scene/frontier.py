@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import resources
 
-from harness.scene.contact import Contact
+from harness.scene.contact import Contact, MindlinSliding
 from harness.scene.derived import Derived
-from harness.scene.laws import word
+from harness.scene.laws import tangential_springs, word
 from harness.scene.model import Scene
 from harness.scene.numerics import particle_limit
 
@@ -95,26 +95,60 @@ def step_warnings(scene: Scene, derived: Derived, table: Table | None = None) ->
             f"{_laws_in_words(limit)} ({limit.entry.engine}, {limit.entry.where}; {table.date}); with a margin of "
             f"{100 * MARGIN:.0f} % take numerics.dt_fraction <= {most:.3g}; measured by: {table.command}"
         )
-    for family, step in late_springs(scene.contact):
-        if dt > step:
-            yield f"{family} spring without enough dashpot for kernel:talk", (
-                f"dt = {dt:.3g} s is larger than gamma/k = {step:.3g} s of contact.{family}: the talks' algorithm "
-                f"feels this spring one step late, and small motions of contacts that stick grow slowly at any larger "
-                f"step unless other dashpots hold them (measured {table.date}: {table.command}); no matter of the "
-                f"other engines; more {FAMILY_DAMPING[family]} or a smaller step mends it"
+    for late in late_springs(scene.contact, derived):
+        if dt > late.held:
+            yield f"{late.family} spring without enough dashpot for kernel:talk", (
+                f"dt = {dt:.3g} s is larger than gamma/k = {late.held:.3g} s of contact.{late.family}{late.at}: the "
+                f"talks' algorithm feels this spring one step late, and small motions of contacts that stick grow "
+                f"slowly at any larger step unless other dashpots hold them (measured {table.date}: {table.command}); "
+                "kernel:talk does not begin, or stops, where they do; no matter of the other engines; "
+                f"{late.mend} or a smaller step mends it"
             )
 
 
 FAMILY_DAMPING = {"sliding": "shear_damping", "rolling": "rolling_damping", "torsion": "torsion_damping"}
 
 
-def late_springs(contact: Contact) -> Iterator[tuple[str, float]]:
-    """Yield family and gamma/k, s, of the springs that the talks' algorithm feels one step late."""
+@dataclass(frozen=True, kw_only=True)
+class LateSpring:
+    """A spring that the talks' algorithm feels one step late. held: gamma/k, s, up to which its dashpot holds it.
+
+    at: the overlap that these are taken at, in words, "" where they do not depend on it; mend: what lengthens gamma/k.
+    """
+
+    family: str
+    held: float
+    mend: str
+    at: str = ""
+
+
+def late_springs(contact: Contact, derived: Derived) -> Iterator[LateSpring]:
+    """Yield the springs that are felt late.
+
+    Mindlin's S_t = 8 G* sqrt(R* delta) grows with the overlap, gamma_t with the root of it::
+
+        gamma_t/S_t = 2 sqrt(5/6) beta sqrt(m*/S_t)
+
+    is the smallest one at the deepest overlap: that of an impact at `impact_speed`, of the pair where it is smallest.
+    Contacts that a load presses deeper are held for shorter.
+    """
     for family, damping in FAMILY_DAMPING.items():
         law = getattr(contact, family)
         stiffness = getattr(law, damping.replace("damping", "stiffness"), None)
         if stiffness is not None:
-            yield family, getattr(law, damping) / stiffness
+            yield LateSpring(family=family, held=getattr(law, damping) / stiffness, mend=f"more {damping}")
+    if isinstance(contact.sliding, MindlinSliding):
+        yield _late_mindlin(contact, derived)
+
+
+def _late_mindlin(contact: Contact, derived: Derived) -> LateSpring:
+    springs = [(tangential_springs(contact.sliding, contact.normal, p.met), p) for p in derived.pairs]
+    held, pair = min(((s.damping / s.stiffness, p) for s, p in springs), key=lambda both: both[0])
+    at = (
+        f" at the overlap {pair.met.largest_overlap:.3g} m of an impact of the {pair.pair.name} pair at normal."
+        f"impact_speed, and gamma/k falls with the overlap to the power 1/4"
+    )
+    return LateSpring(family="sliding", held=held, mend="a lower normal.restitution", at=at)
 
 
 def _laws_in_words(limit: StepLimit) -> str:

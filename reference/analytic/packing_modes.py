@@ -24,7 +24,12 @@ z = -1 is positive (Jury), for every phi if and only if
 
 Without dashpots that is dt < 2/w_max. A spring that is felt one step late (`late`, K_l of K) acts as the dashpot
 -dt K_l: C - dt K_l takes the place of C, and c >= 0 becomes a condition of its own. One spring alone is stable up to
-dt = gamma/k, and at no step without a dashpot.
+dt = gamma/k, and at no step without a dashpot. The roots of one phi have the product 1 - dt c/m, and where c < 0 they
+are complex below the limit of the step (k >= k_l). So nothing grows by more than
+
+    |z|^2 <= 1 + dt lambda,     lambda the largest eigenvalue of M^-1 (dt K_l - C)
+
+in a step, and a mode that no dashpot couples to others by just that: with one spring exp((dt - gamma/k) w^2 t/2).
 
 Sources: the sum over contacts, e.g. S. Luding, Int. J. Solids Struct. 41, 5821 (2004); the force that turns with its
 contact: S. Alexander, Phys. Rep. 296, 65 (1998), "initial stress"; the limit of the undamped leapfrog: R. D. Skeel,
@@ -183,6 +188,14 @@ class Packing:
         one = np.eye(len(k))
         kicked, carried = -(step**2) * k, one - step * c
         return float(np.abs(np.linalg.eigvals(np.block([[one + kicked, carried], [kicked, carried]]))).max())
+
+    def late_growth(self, step: float) -> float:
+        """Return what no |z|, (-), exceeds in a step below the limit: sqrt(1 + dt lambda); 1 where nothing can grow.
+
+        Of late springs and dashpots alone, from one eigenvalue, for packings of any size.
+        """
+        late = step * self._matrix(self.late) if self.late is not None else 0.0 * self.damping_matrix()
+        return math.sqrt(1 + step * _largest_eigenvalue(self._scaled(late - self.damping_matrix())))
 
     def _largest_late_step(self, high: float) -> float:
         """Halve the way between a step at which nothing grows and one at which something does."""

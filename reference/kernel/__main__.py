@@ -14,6 +14,7 @@ from pathlib import Path
 from reference.kernel.checkpoint import CHECKPOINT, EVERY, OWNER, read_checkpoint, write_checkpoint
 from reference.kernel.deck import Plan, read_deck
 from reference.kernel.guards import KernelUnstable, refuse_late_springs
+from reference.kernel.late_springs import LateSprings, feels_late
 from reference.kernel.output import SERIES, FramesWriter, SeriesWriter
 from reference.kernel.program.simulation import ProgramSimulation, fastest
 
@@ -43,6 +44,7 @@ class _Run:
     def __init__(self, folder: Path):
         self.folder, self._clock, self.resumed_at = folder, _Clock(), None
         self._model, self._plan = read_deck(folder)
+        self._late = LateSprings(self._model, self._plan.steps) if feels_late(self._model) else None
         self._found = read_checkpoint(folder)
         length, part = (None, 0) if self._found is None else (int(self._found[1][n]) for n in ("series", "part"))
         self._series = SeriesWriter(folder / SERIES, self._model, length=length)
@@ -55,20 +57,30 @@ class _Run:
         if self._found is not None:
             state, outputs = self._found
             self._simulation.take(state)
+            if self._late is not None:
+                self._late.take(state)
             self.resumed_at = self._simulation.walls.step
             self._clock.add({n.removeprefix("cpu_"): v for n, v in outputs.items() if n.startswith("cpu_")})
         self._clock.lap("setup")
 
     def advance(self) -> None:
         """Make all steps that are left; samples, frames and checkpoints on the way."""
-        now, written = self.resumed_at or 0, -1 if self.resumed_at is None else self.resumed_at
+        self._now, written = self.resumed_at or 0, -1 if self.resumed_at is None else self.resumed_at
         for step in (s for s in _stops(self._plan) if s > written):
-            self._simulation.advance(step - now)
+            self._advance_to(step)
             self._clock.lap("run")
             self._write(step)
-            now = step
         self._frames.finish()
         (self.folder / CHECKPOINT).unlink(missing_ok=True)
+
+    def _advance_to(self, step: int) -> None:
+        """Make the steps up to `step`; on the way look at springs that are felt late, if there are any."""
+        while self._late is not None and self._late.next_look is not None and self._late.next_look <= step:
+            self._simulation.advance(self._late.next_look - self._now)
+            self._now = self._late.next_look
+            self._late.look(self._simulation)
+        self._simulation.advance(step - self._now)
+        self._now = step
 
     def _write(self, step: int) -> None:
         plan, simulation = self._plan, self._simulation
@@ -80,7 +92,8 @@ class _Run:
         if self._clock.since_mark >= EVERY and isinstance(simulation, ProgramSimulation):
             cpu = {f"cpu_{phase}": seconds for phase, seconds in self._clock.laps.items()}
             length, part = self._series.flushed_length(), self._frames.next_part()
-            write_checkpoint(self.folder, simulation, series=length, part=part, **cpu)
+            late = {} if self._late is None else self._late.kept()
+            write_checkpoint(self.folder, simulation, late, series=length, part=part, **cpu)
             self._clock.mark()
 
     def report(self) -> dict:

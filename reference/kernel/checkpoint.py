@@ -37,11 +37,14 @@ def owned(folder: Path) -> bool:
     return False
 
 
-def write_checkpoint(folder: Path, simulation: ProgramSimulation, **outputs: float) -> None:
-    """Write the state of now and numbers of the outputs: whole or not at all."""
+def write_checkpoint(
+    folder: Path, simulation: ProgramSimulation, watched: dict[str, np.ndarray] | None = None, **outputs: float
+) -> None:
+    """Write the state of now, what was `watched` and numbers of the outputs: whole or not at all."""
     path, part = folder / CHECKPOINT, folder / f"{CHECKPOINT}.part"
     with open(part, "wb") as file:
-        np.savez(file, **simulation.kept(), **{f"output_{name}": value for name, value in outputs.items()})
+        numbers = {f"output_{name}": value for name, value in outputs.items()}
+        np.savez(file, **simulation.kept(), **(watched or {}), **numbers)
         file.flush()
         os.fsync(file.fileno())
     os.replace(part, path)

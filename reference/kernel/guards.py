@@ -17,7 +17,8 @@ stopped.
 A spring that is felt late. The talks' algorithm feels tangential springs one step late (`laws.slider`): a swing of
 frequency W grows by exp(W^2 (dt - gamma/k) t/2) while the contact sticks; W^2 = k (1/m + R^2/I) for one body that
 slides at a wall, k R^2/I if it rolls or twists. A run in which the lightest body could gain more than MOST_GROWTH is
-not begun.
+not begun. What packings and Mindlin's springs, whose stiffness nobody knows beforehand, make of it is watched on the
+way (`late_springs`).
 """
 
 from __future__ import annotations

@@ -107,7 +107,7 @@ class Interaction:
         memory = self.pairs.recall(touching)
         f_n, elastic, memory["normal"] = self.normal.force(contact, memory.get("normal"))
         force, couple = f_n * n, None
-        pressing = self._pressing(contact, f_n, elastic)
+        pressing = self.pressing(contact, f_n, elastic)
         moving = {"dt": dt, "advance": advance}
         if self.sliding is not None:
             f_t, memory["sliding"] = self.sliding.force(contact, pressing, memory.get("sliding"), **moving)
@@ -184,7 +184,7 @@ class Interaction:
         q_j = quantity.take(j)
         return q_i * q_j / (q_i + q_j)
 
-    def _pressing(self, contact: Touching, f_n: np.ndarray, elastic: np.ndarray) -> Pressing | None:
+    def pressing(self, contact: Touching, f_n: np.ndarray, elastic: np.ndarray) -> Pressing | None:
         """Return the base of all limits; None in smooth contacts, which have no limits."""
         if self.sliding is self.rolling is self.torsion is None:
             return None

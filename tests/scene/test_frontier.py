@@ -1,5 +1,7 @@
 """`grainproof scene` warns of steps near the measured limit, from the committed table and without running anything."""
 
+import math
+
 import pytest
 
 from harness.report.scene import scene_answer
@@ -91,7 +93,7 @@ def test_late_springs_of_the_talks(looked_at):
     ((what, why),) = step_warnings(scene, derived, table(entry(10.0)))
     assert "kernel:talk" in what
     assert "shear_damping" in why
-    assert dict(late_springs(scene.contact)) == {"sliding": 0.0}
+    assert [(late.family, late.held) for late in late_springs(scene.contact, derived)] == [("sliding", 0.0)]
     assert not list(step_warnings(*looked_at({"contact.sliding.shear_damping": 0.1}), table(entry(10.0))))
 
 
@@ -116,7 +118,45 @@ def test_a_smooth_scene_close_to_refusal_is_warned_of(scenes):
     assert row["name"] == "time step near the measured limit"
 
 
-def test_viscous_friction_and_hertz_have_no_late_spring(scenes):
-    scene = scenes.load(scenes.free, {"contact.sliding": scenes.slidings["viscous"]})
-    assert not list(late_springs(scene.contact))
+def test_viscous_friction_has_no_late_spring(looked_at):
+    scene, derived = looked_at({"contact.sliding": {"law": "viscous", "shear_friction": 0.5, "shear_damping": 0.1}})
+    assert not list(late_springs(scene.contact, derived))
     assert isinstance(scene.contact.normal, LinearNormal)
+
+
+@pytest.fixture
+def spheres(scenes, looked_at):
+    """spheres(restitution, dt_fraction): the two discs as Hertz-Mindlin ones."""
+
+    def load(restitution, dt_fraction=0.02):
+        normal = scenes.normals["hertz"] | {"restitution": restitution}
+        return looked_at({"contact.normal": normal, "contact.sliding": scenes.slidings["mindlin"],
+                          "numerics.dt_fraction": dt_fraction})
+
+    return load
+
+
+@pytest.mark.parametrize("restitution", [0.3, 0.8, 0.95])
+def test_mindlin_s_spring_is_held_up_to_its_dashpot_over_its_stiffness(spheres, restitution):
+    """2 sqrt(5/6) beta sqrt(m*/S_t), S_t = 8 G* sqrt(R* delta), delta of the impact."""
+    scene, derived = spheres(restitution)
+    (late,) = late_springs(scene.contact, derived)
+    normal, smallest = scene.contact.normal, derived.pairs[0]
+    shear = normal.youngs_modulus / (4 * (2 - normal.poisson_ratio) * (1 + normal.poisson_ratio))
+    stiffness = 8 * shear * math.sqrt(smallest.pair.reduced_radius * smallest.met.largest_overlap)
+    beta = -math.log(restitution) / math.hypot(math.log(restitution), math.pi)
+    held = 2 * math.sqrt(5 / 6) * beta * math.sqrt(smallest.pair.reduced_mass / stiffness)
+    assert late.held == pytest.approx(held, rel=1e-9)
+
+
+def test_mindlin_s_spring_is_warned_of_where_its_dashpot_does_not_hold(spheres):
+    """At a fiftieth of the contact time it holds up to e = 0.88: 2.01 beta sqrt(m*/S_n) against 4.03/50 of it."""
+    known = table(entry(10.0, laws=("hertz", "mindlin", "", "")))
+    assert not list(step_warnings(*spheres(0.85), known))
+    ((what, why),) = step_warnings(*spheres(0.91), known)
+    assert what == "sliding spring without enough dashpot for kernel:talk"
+    assert "lower normal.restitution" in why
+    assert "impact_speed" in why
+    assert not list(step_warnings(*spheres(0.91, dt_fraction=0.01), known))
+    ((_, why),) = step_warnings(*spheres(1.0, dt_fraction=0.001), known)
+    assert "gamma/k = 0 s" in why

@@ -51,7 +51,11 @@ def scheme(engine: str) -> str:
 
 
 def felt_late(engine: str, rest: System) -> bool:
-    """Whether an engine feels springs of this system one step late; Mindlin's has no stiffness of its own."""
+    """Whether an engine feels springs of this system one step late; Mindlin's has no stiffness of its own.
+
+    Beyond the limit the kernel stops by itself: it does not begin (`reference.kernel.guards`), or ends the run once
+    swings have grown (`reference.kernel.late_springs`). What grows without these guards is measured in its tests.
+    """
     springs = ((rest.sliding, "shear_stiffness"), (rest.rolling, "rolling_stiffness"))
     own = any(hasattr(law, name) for law, name in springs)
     return scheme(engine) == "late" and (own or isinstance(rest.sliding, MindlinSliding))

@@ -18,7 +18,9 @@ class MindlinSliding(SlidingLaw):
     """f_t = -S_t xi - gamma_t v_t up to mu f, S_t = 8 G* sqrt(a* delta) at the overlap of now, gamma_t of Hertz's e.
 
     The no-slip stiffness, without partial slip and without rescaling of xi on unloading: LAMMPS' `mindlin`,
-    LIGGGHTS' `hertz tangential history`. As S_t changes with the overlap there is no potential.
+    LIGGGHTS' `hertz tangential history`. As S_t changes with the overlap there is no potential. By the algorithm of the
+    talks it is felt one step late: gamma_t/S_t = 2 sqrt(5/6) beta sqrt(m*/S_t) is the step up to which its own dashpot
+    holds it (`reference.kernel.late_springs`).
     The memory is the spring xi, (dim, M) in m. Raises ValueError with another normal law than Hertz's.
     """
 
@@ -41,6 +43,11 @@ class MindlinSliding(SlidingLaw):
     def memory_rows(self, dimension: int) -> int:
         """The components of the spring."""
         return dimension
+
+    def spring(self, contact: Touching) -> tuple[np.ndarray, np.ndarray]:
+        """Return S_t, (M,) in N/m, and gamma_t, (M,) in kg/s."""
+        stiffness = self.normal.shear_stiffness(contact)
+        return stiffness, np.broadcast_to(self.normal.shear_damping(contact), stiffness.shape)
 
     def force(
         self, contact: Touching, pressing: Pressing, memory: Memory, dt: float, *, advance: bool

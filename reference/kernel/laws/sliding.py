@@ -46,6 +46,10 @@ class SpringSliding(SlidingLaw):
             mean_rate=contact.mean_v_t,
         )
 
+    def spring(self, contact: Touching) -> tuple[np.ndarray, np.ndarray]:
+        """Return k_t, (M,) in N/m, and gamma_t, (M,) in kg/s."""
+        return np.full_like(contact.overlap, self.shear_stiffness), np.full_like(contact.overlap, self.shear_damping)
+
     def energy(self, contact: Touching, memory: np.ndarray) -> np.ndarray:
         """Return the stored energy k_t xi^2 / 2, shape (M,), in J."""
         xi = memory[: len(contact.n)]

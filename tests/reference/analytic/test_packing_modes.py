@@ -214,6 +214,35 @@ def test_late_springs_of_a_packing_against_all_eigenvalues(damping):
     assert packing.growth(1.01 * limit) > 1 + 1e-6
 
 
+@pytest.mark.parametrize("damping", [0.0, 0.02, 0.3])
+def test_nothing_grows_faster_than_late_springs_feed_it(damping):
+    """And without dashpots some mode nearly does, while steps are small."""
+    rng = np.random.default_rng(8)
+    x, _, c = random_packing(rng, 2)
+    packing = Packing(
+        mass=np.ones(len(x)), inertia=np.full(len(x), 0.5), contacts=c, springs=Elements(normal=1.0, tangential=0.5),
+        late=Elements(tangential=0.5), dashpots=Elements(normal=damping, tangential=damping) if damping else Elements(),
+    )
+    for step in (0.01, 0.03, 0.1, 0.3):
+        grown, fed = packing.growth(step) - 1, packing.late_growth(step) - 1
+        assert grown <= fed + 1e-6
+        if step <= damping / 0.5:
+            assert fed == pytest.approx(0.0, abs=1e-12)
+        elif not damping:
+            assert fed == pytest.approx(grown, rel=0.1)
+
+
+def test_one_late_spring_grows_as_it_is_fed(pair):
+    """|z|^2 = 1 + dt W^2 (dt - gamma/k), W^2 = k (1/m + R^2/I) of both."""
+    late = Elements(tangential=0.5)
+    packing = pair(springs=Elements(normal=1.0, tangential=0.5), late=late, dashpots=Elements(tangential=0.01))
+    square = 0.5 * float((1 / packing.mass + packing.contacts.arm_i**2 / packing.inertia).sum())
+    for step in (0.03, 0.1, 0.3):
+        assert packing.late_growth(step) ** 2 == pytest.approx(1 + step * square * (step - 0.02), rel=1e-9)
+        assert packing.growth(step) == pytest.approx(packing.late_growth(step), rel=1e-9)
+    assert pair(springs=Elements(normal=1.0), dashpots=Elements(normal=0.1)).late_growth(0.1) == 1.0
+
+
 def test_late_springs_are_springs(pair):
     with pytest.raises(ValueError, match="late springs"):
         pair(springs=Elements(normal=1.0), late=Elements(tangential=0.5))
