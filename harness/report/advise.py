@@ -6,8 +6,16 @@ import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from harness.report.advise_figure import CAPTION, advise_figure
+from harness.report.advise_figure import advise_figure, caption
 from harness.report.advise_tables import tables
+from harness.report.advise_verified import HEADINGS as VERIFIED
+from harness.report.advise_verified import TABLES as VERIFICATION
+from harness.report.advise_verified import (
+    verification_data,
+    verification_line,
+    verification_sections,
+    verification_tables,
+)
 from harness.report.advise_words import COMBINED, limits, paragraph
 from harness.report.files import Names, Written, write_files
 from harness.report.page import Figure, Section
@@ -15,10 +23,11 @@ from harness.report.tables import Answer
 
 if TYPE_CHECKING:
     from harness.studies.advise.study import Advice
+    from harness.studies.advise.verification import Verification
 
 TABLES = ("advice", "sum", "ladders")
 SCENE = "advised.toml"
-NAMES = Names(stem="advice", tables=TABLES, further=(SCENE,))
+NAMES = Names(stem="advice", tables=TABLES, further=(SCENE, *(f"{t}.csv" for t in VERIFICATION)))
 HEADINGS = {"advice": "What to take", "sum": "What it comes to", "ladders": "What was measured"}
 NOTES = {
     "advice": "Errors against the limit of each knob's own ladder, over the quantity's size. Measured: that rung was "
@@ -29,18 +38,21 @@ NOTES = {
 }
 
 
-def advise_answer(advice: Advice) -> Answer:
+def advise_answer(advice: Advice, verification: Verification | None = None) -> Answer:
     """Return the tables for people and everything for programs."""
     found = tables(advice)
     shown = {HEADINGS[name]: found[name] for name in ("advice", "sum")}
-    return Answer(tables=shown, data=advise_data(advice))
+    if verification is not None:
+        shown[VERIFIED["verification"]] = verification_tables(verification)["verification"]
+    return Answer(tables=shown, data=advise_data(advice, verification))
 
 
-def advise_data(advice: Advice) -> dict:
-    """Return everything with all digits."""
+def advise_data(advice: Advice, verification: Verification | None = None) -> dict:
+    """Return everything with all digits; "verification" where there was one, see `verification_data`."""
     from msgspec import to_builtins
 
     choice, evidence = advice.answer, advice.evidence
+    verified = {} if verification is None else {"verification": verification_data(verification)}
     return {
         "scene_file": evidence.scene_file.name, "quantity": evidence.quantity, "tolerance": advice.tolerance,
         "kept": advice.choice is not None, "why": advice.why, "packings_needed_in_ladders": advice.needed,
@@ -50,12 +62,23 @@ def advise_data(advice: Advice) -> dict:
         "without": list(choice.without) if choice else [], "packings": advice.packings,
         "expected_error": choice.total.error(advice.packings) if choice else None,
         "cpu_seconds": choice.seconds * advice.packings if choice else None, "source": evidence.source,
-        "combined": COMBINED, "limits": limits(advice), "words": paragraph(advice), "exit_status": advice.exit_status,
-        "scene": to_builtins(advice.scene) if advice.scene else None, "tables": tables(advice),
+        "combined": COMBINED, "limits": limits(advice, verification), "words": paragraph(advice),
+        "exit_status": exit_status(advice, verification),
+        "scene": to_builtins(advice.scene) if advice.scene else None, "tables": _tables(advice, verification),
+        **verified,
     }
 
 
-def write_advice(advice: Advice, out: Path) -> Path:
+def exit_status(advice: Advice, verification: Verification | None = None) -> int:
+    """1 when no setting keeps the tolerance, or the one that should does not, or could not be run."""
+    return max(advice.exit_status, 0 if verification is None else verification.exit_status)
+
+
+def _tables(advice: Advice, verification: Verification | None) -> dict[str, list[dict]]:
+    return tables(advice) | ({} if verification is None else verification_tables(verification))
+
+
+def write_advice(advice: Advice, out: Path, verification: Verification | None = None) -> Path:
     """Write page, JSON, pictures, CSV tables and the advised scene into `out`, each whole or not at all."""
     from harness.scene.write import scene_text, write_scene
 
@@ -66,23 +89,29 @@ def write_advice(advice: Advice, out: Path) -> Path:
         text = scene_text(advice.scene, about=_about(advice))
     else:
         (out / SCENE).unlink(missing_ok=True)
+    for name in VERIFICATION if verification is None else ():
+        (out / NAMES.table(name)).unlink(missing_ok=True)
     return write_files(out, NAMES, Written(
-        title=f"Advice: {advice.evidence.scene.title}", lead=_lead(advice), caption=CAPTION,
-        figure=advise_figure(advice), tables=tables(advice), data=advise_data(advice),
-        sections=lambda figures: _sections(advice, figures, text),
+        title=f"Advice: {advice.evidence.scene.title}", lead=_lead(advice),
+        caption=caption(verification), figure=advise_figure(advice, verification),
+        tables=_tables(advice, verification), data=advise_data(advice, verification),
+        sections=lambda figures: _sections(advice, figures, text, verification),
     ))
 
 
-def _sections(advice: Advice, figures: tuple[Figure, ...], text: str) -> list[Section]:
-    found = tables(advice)
+def _sections(
+    advice: Advice, figures: tuple[Figure, ...], text: str, verification: Verification | None
+) -> list[Section]:
+    found, said = tables(advice), [paragraph(advice), *([verification_line(verification)] if verification else [])]
     scene = [Section(heading="The advised scene", note=f"Written as {SCENE}.", text=text)] if text else []
     return [
-        Section(heading="In words", note=paragraph(advice)),
+        Section(heading="In words", note=" ".join(said)),
         *(Section(heading=HEADINGS[n], note=NOTES[n], rows=found[n]) for n in ("advice", "sum") if found[n]),
+        *(verification_sections(verification) if verification is not None else ()),
         Section(heading="Ladders", figures=figures),
         *(Section(heading=HEADINGS[n], note=NOTES[n], rows=found[n]) for n in ("ladders",) if found[n]),
-        Section(heading="What this does not know", text="\n".join(limits(advice))), *scene,
-        Section(heading="Reproduce", text=_command(advice)),
+        Section(heading="What this does not know", text="\n".join(limits(advice, verification))), *scene,
+        Section(heading="Reproduce", text=_command(advice, verification)),
     ]
 
 
@@ -103,10 +132,11 @@ def _about(advice: Advice) -> str:
     )
 
 
-def _command(advice: Advice) -> str:
+def _command(advice: Advice, verification: Verification | None) -> str:
     evidence = advice.evidence
+    verify = [] if verification is None else ["--verify", *([] if evidence.free else [str(verification.count)])]
     engines = [] if evidence.engines is None else ["--engines", ",".join(evidence.engines)]
     return shlex.join([
         "grainproof", "advise", str(evidence.scene_file), "--quantity", evidence.quantity, "--tolerance",
-        f"{advice.tolerance:g}", "--from", evidence.source, *engines,
+        f"{advice.tolerance:g}", "--from", evidence.source, *engines, *verify,
     ])

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from harness.report.advise_verified import verification_limits
 from harness.studies.advise.study import told_errors
 
 if TYPE_CHECKING:
     from harness.studies.advise.evidence import Evidence
     from harness.studies.advise.study import Advice
+    from harness.studies.advise.verification import Verification
 
 COMBINED = (
     "Errors of knobs that stand out of their noise (more than two standard errors) are added up as if all had one "
@@ -22,12 +24,13 @@ def paragraph(advice: Advice) -> str:
     return " ".join(s for s in (_take(advice), _error(advice), _floor(advice), _against(advice), _basis(advice)) if s)
 
 
-def limits(advice: Advice) -> list[str]:
+def limits(advice: Advice, verification: Verification | None = None) -> list[str]:
     """Return what the advice does not know, a sentence each."""
     evidence, choice = advice.evidence, advice.answer
+    together = [] if verification is None else verification_limits(verification)
     found = [
-        "Each knob was turned with all others as declared; that they do not act on each other was not measured: run "
-        "the advised scene before relying on it.",
+        *(together or ["Each knob was turned with all others as declared; that they do not act on each other was not "
+                       "measured: run the advised scene before relying on it (`--verify`)."]),
         "Errors are those of one engine against the limits of its own ladders: what its model leaves out is not in "
         "them.",
         "Of many settings with noisy errors the one that looks cheapest looks better than it is, on average.",

@@ -21,20 +21,27 @@ def add(verbs) -> None:
                       help="folder of a finished grainproof effects; without either one is run")
     add_names(verb, "engine", "to run, with --from to choose among; default: the studies' own")
     verb.add_argument("--packings", type=as_count, metavar="N", help="of the studies that are run; not with --from")
+    verb.add_argument(
+        "--verify", type=as_count, nargs="?", const=0, metavar="N",
+        help="run the advised scene, all knobs at once, and hold it against the finest settings on N packings (without "
+        "N: as many as advised, at least 2), a free one against the oracle",
+    )
     verb.add_argument("--workers", type=as_count, metavar="N", help="runs at a time; default: the number of cores")
     verb.add_argument("--out", type=as_folder, default=Path("out/advise"), metavar="DIR", help="default: %(default)s")
     verb.add_argument("--time-limit", type=as_seconds, default=3600.0, metavar="S", help="a run; default: %(default)g")
 
 
 def _advise(options) -> int:
-    from harness.report.advise import NAMES, advise_answer, write_advice
-    from harness.report.advise_words import limits, paragraph
+    from harness.report.advise import NAMES, advise_answer, exit_status, write_advice
     from harness.scene.load import load_scene
+    from harness.scene.model import Free
     from harness.studies.advise import advise, read_evidence
+    from harness.studies.advise.verify import verified_packings
     from harness.studies.effects.asked import asked_quantities, asked_tolerance
 
     _require_no_packings(options)
     scene = load_scene(options.file)
+    packings = verified_packings(options.verify, free=isinstance(scene, Free))
     tolerance = asked_tolerance(scene, options.tolerance)
     asked_quantities(scene, [options.quantity] if options.quantity else None)
     NAMES.check(options.out)
@@ -45,10 +52,44 @@ def _advise(options) -> int:
     )
     advice = advise(evidence, tolerance)
     page = write_advice(advice, options.out)
-    show(advise_answer(advice), options)
+    found = _verified(options, advice, packings, options.out if options.source is not None else ladders)
+    if found is not None:
+        write_advice(advice, options.out, found)
+    show(advise_answer(advice, found), options)
     if options.json != "-":
-        print("\n".join([paragraph(advice), *limits(advice), f"report: {page}"]))
-    return advice.exit_status
+        print("\n".join([*_words(options, advice, found), f"report: {page}"]))
+    return exit_status(advice, found)
+
+
+def _verified(options, advice, packings: int | None, kept: Path):
+    """Return what came of a verification; None if none was asked for, or there is no choice to be verified.
+
+    kept: where its runs are: with those of the ladders, where these are the command's own.
+    """
+    from harness.report.advise_expected import verification_announcement
+    from harness.runs.progress import progress_for
+    from harness.studies.advise.verify import engine_for, verify
+
+    if options.verify is None or advice.choice is None:
+        return None
+    engine = engine_for(advice.choice.engine, options.engines)
+    print(
+        verification_announcement(advice, engine, packings=packings, workers=options.workers), file=sys.stderr,
+        flush=True,
+    )
+    return verify(
+        advice, engine, kept, packings=packings, time_limit=options.time_limit, workers=options.workers,
+        progress=progress_for,
+    )
+
+
+def _words(options, advice, found) -> list[str]:
+    """Return what is said below the tables."""
+    from harness.report.advise_verified import NOTHING, verification_line
+    from harness.report.advise_words import limits, paragraph
+
+    verified = [verification_line(found)] if found else [NOTHING] if options.verify is not None else []
+    return [paragraph(advice), *verified, *limits(advice, found)]
 
 
 def _require_no_packings(options) -> None:

@@ -25,7 +25,7 @@ from harness.runs.pool import Done, run_many
 from harness.scene.judged import MOST_PACKINGS
 from harness.scene.model import Biaxial, Couette
 from harness.studies.accuracy.asked import Asked
-from harness.studies.accuracy.bulk_plan import OWN, Packed, Setting, plan
+from harness.studies.accuracy.bulk_plan import Packed, Setting, plan
 from harness.studies.accuracy.bulk_quantities import BULK, bulk_values
 from harness.studies.accuracy.bulk_result import Floor, Ladder, floor_of, scale_of
 from harness.studies.accuracy.bulk_rungs import OWN_WIDTH, Key, Measured, rungs_of
@@ -107,8 +107,8 @@ def bulk_accuracy(
     chosen = bulk_engines(engines, wanted)
     count = packing_count(scene, packings)
     planned = plan(scene, scene_file, wanted, count, out / "packings", workers=workers, progress=progress)
-    done = _run(planned, chosen, out, time_limit=time_limit, workers=workers, progress=progress)
-    measured = _measure(planned, done)
+    done = run_settings(planned, chosen, out, time_limit=time_limit, workers=workers, progress=progress)
+    measured = measure_settings(planned, done)
     ladders = tuple(
         _ladder(scene, a, e, [s for s in planned.settings if s.knob == a.knob.name], done, measured)
         for a in wanted for e in chosen
@@ -152,7 +152,7 @@ def packing_count(scene: Biaxial | Couette, packings: int | None) -> int:
 # --- runs --------------------------------------------------------------------------------------------
 
 
-def _run(
+def run_settings(
     planned: Packed, engines: Sequence[Engine], out: Path, *, progress: Callable[[], Progress] | None, **options
 ) -> dict[Key, Done]:
     """Make every run once, the longest first; return them by engine and system."""
@@ -161,16 +161,14 @@ def _run(
         for number, system in enumerate(setting.systems):
             for engine in engines:
                 key = Key(engine.name, system.digest())
-                shared = setting.own or setting.width is not None
-                name = OWN if shared else f"{setting.knob} {setting.label}"
-                jobs.setdefault(key, (f"{name}, {engine.name} #{number + 1}", engine, system))
-                groups.setdefault(key, f"{name}, {engine.name}")
+                jobs.setdefault(key, (f"{setting.name}, {engine.name} #{number + 1}", engine, system))
+                groups.setdefault(key, f"{setting.name}, {engine.name}")
     shown = Grouped(list(groups.values()), progress()) if progress else None
     done = run_many(list(jobs.values()), runs_root(out), native="drop", progress=shown, **options)
     return dict(zip(jobs, done, strict=True))
 
 
-def _measure(planned: Packed, done: Mapping[Key, Done]) -> dict[Key, Measured]:
+def measure_settings(planned: Packed, done: Mapping[Key, Done]) -> dict[Key, Measured]:
     """Read every completed run once and return its quantities in all widths, and how it is shaken."""
     from postproc.trajectory import read_trajectory
 

@@ -50,6 +50,11 @@ class Setting:
     reason: str = ""
     beyond: float | None = None
 
+    @property
+    def name(self) -> str:
+        """How its runs are called; the scene as declared is on several ladders."""
+        return OWN if self.own or self.width is not None else f"{self.knob} {self.label}"
+
 
 @dataclass(frozen=True, kw_only=True)
 class Packed:
@@ -67,19 +72,28 @@ def plan(
 
     A rung that cannot be packed has a reason in place of systems. Raises InputError if the scene itself cannot.
     """
-    lean, bare = _lean(scene), bare_settings(scene, wanted)
-    seconds = _pack([lean, *(s.scene for s in bare)], file, packings, cache, workers, progress)
-    own = _systems(lean, file, packings, cache)
+    declared, bare = lean(scene), bare_settings(scene, wanted)
+    seconds = _pack([declared, *(s.scene for s in bare)], file, packings, cache, workers, progress)
+    own = _systems(declared, file, packings, cache)
     return Packed(settings=tuple(_filled(s, own, file, packings, cache) for s in bare), seconds=seconds)
 
 
 def bare_settings(scene: Scene, wanted: Sequence[Asked]) -> tuple[Setting, ...]:
     """Return the settings of all knobs, without systems."""
-    lean = _lean(scene)
-    return tuple(s for one in wanted for s in _settings(lean, one))
+    declared = lean(scene)
+    return tuple(s for one in wanted for s in _settings(declared, one))
 
 
-def _lean(scene: Scene) -> Scene:
+def pack_settings(
+    settings: Sequence[Setting], file: Path, packings: int, cache: Path, *, workers: int | None = None,
+    progress: Callable[[], Progress] | None = None,
+) -> Packed:
+    """Return settings that are scenes of their own, with their packings; see `plan` for one that cannot be packed."""
+    seconds = _pack([s.scene for s in settings], file, packings, cache, workers, progress)
+    return Packed(settings=tuple(_with_packings(s, file, packings, cache) for s in settings), seconds=seconds)
+
+
+def lean(scene: Scene) -> Scene:
     """A box is measured at its walls: states of its particles would only take time. Rings are averaged over states."""
     if isinstance(scene, Biaxial):
         return replaced(scene, outputs=replaced(scene.outputs, frames=1, contacts=False, rotations=False))
@@ -115,6 +129,10 @@ def _filled(setting: Setting, own: tuple[System, ...], file: Path, packings: int
         return replace_systems(setting, own)
     if setting.knob in STEPS:
         return replace_systems(setting, tuple(stepped_system(setting.scene, s, setting.value) for s in own))
+    return _with_packings(setting, file, packings, cache)
+
+
+def _with_packings(setting: Setting, file: Path, packings: int, cache: Path) -> Setting:
     try:
         return replace_systems(setting, _systems(setting.scene, file, packings, cache))
     except InputError as error:

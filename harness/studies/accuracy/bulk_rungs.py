@@ -37,7 +37,7 @@ def rungs_of(
     settings: Sequence[Setting], engine: str, done: Mapping[Key, Done], measured: Mapping[Key, Measured]
 ) -> tuple[Rung, ...]:
     """Return the rungs of one ladder, those that are shaken as unstable."""
-    made = [_rung(s, engine, done, measured) for s in settings]
+    made = [rung_of(s, engine, done, measured) for s in settings]
     finest = min((k for k, r in enumerate(made) if r.good), key=lambda k: made[k].x, default=None)
     if finest is None:
         return tuple(made)
@@ -54,7 +54,11 @@ def _believed(rung: Rung, here: Sequence[Shaking], finest: Rung, there: Sequence
     """Return the rung; without values and times if its sample is shaken."""
     if not rung.good or rung is finest:
         return rung
-    why = why_shaken(rung.knob, rung.x / finest.x if finest.x else 1.0, here, there)
+    return settled(rung, why_shaken({rung.knob: rung.x / finest.x if finest.x else 1.0}, here, there))
+
+
+def settled(rung: Rung, why: str) -> Rung:
+    """Return the rung; as an unstable one, without values and times, if its sample is shaken and `why` says so."""
     if not why:
         return rung
     return replace(
@@ -62,7 +66,8 @@ def _believed(rung: Rung, here: Sequence[Shaking], finest: Rung, there: Sequence
     )
 
 
-def _rung(setting: Setting, engine: str, done: Mapping[Key, Done], measured: Mapping[Key, Measured]) -> Rung:
+def rung_of(setting: Setting, engine: str, done: Mapping[Key, Done], measured: Mapping[Key, Measured]) -> Rung:
+    """Return what came of a setting's runs on an engine."""
     facts = {
         "knob": setting.knob, "value": setting.value, "x": setting.x, "label": setting.label, "own": setting.own,
         "beyond": setting.beyond,

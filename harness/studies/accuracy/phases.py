@@ -18,6 +18,9 @@ from harness.scene.system import System
 MOST_BODIES = 20_000
 """Of all copies."""
 
+SEED = 20260
+"""Of the phases of a ladder; another one gives other phases."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Phased:
@@ -32,9 +35,9 @@ class Phased:
         return len(self.system.particles) // len(self.delay)
 
 
-def delays(count: int, longest: float) -> np.ndarray:
+def delays(count: int, longest: float, seed: int = SEED) -> np.ndarray:
     """Return (count,) times from 0 to `longest`, one drawn in each of as many equal parts: all phases of a step."""
-    drawn = np.random.default_rng(20260).random(count)
+    drawn = np.random.default_rng(seed).random(count)
     return (np.arange(count) + drawn) / count * longest
 
 

@@ -24,7 +24,8 @@ A different law moves differently, so that there is nothing to hold it against: 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -68,21 +69,21 @@ def shaking_of(scene: Scene, system: System, trajectory: Trajectory) -> Shaking:
     return Shaking(balance=balance, energy=_energy(system, trajectory, speed))
 
 
-def why_shaken(knob: str, x: float, here: Sequence[Shaking], finest: Sequence[Shaking]) -> str:
+def why_shaken(turned: Mapping[str, float], here: Sequence[Shaking], finest: Sequence[Shaking]) -> str:
     """Say why a rung cannot be believed, "" where nothing speaks against it.
 
-    x: of the rung over that of the finest one. here, finest: packing by packing.
+    turned: x of the rung over that of the finest one, by knob. here, finest: packing by packing.
     """
-    if knob in UNJUDGED:
+    if any(knob in UNJUDGED for knob in turned):
         return ""
-    powers, said = BY_PHYSICS.get(knob, (0.0, 0.0)), []
-    for name, words, limit, power in (
-        ("balance", "opposite walls out of balance by", UNBALANCED, powers[0]),
-        ("energy", "kinetic energy", HOT, powers[1]),
-    ):
+    said = []
+    for number, (name, words, limit) in enumerate((
+        ("balance", "opposite walls out of balance by", UNBALANCED), ("energy", "kinetic energy", HOT),
+    )):
+        allowed = math.prod(x ** BY_PHYSICS[knob][number] for knob, x in turned.items() if knob in BY_PHYSICS)
         a, b = (np.array([getattr(s, name) for s in of]) for of in (here, finest))
         ratio, least = _ratio(a, b)
-        if least / x**power > limit:
+        if least / allowed > limit:
             typical = f" {100 * np.median(a):.2g} %," if name == "balance" else ""
             said.append(f"{words}{typical} {ratio:.{0 if ratio >= 10.0 else 1}f} times the finest rung's")
     return "; ".join(said)

@@ -27,7 +27,7 @@ from harness.studies.accuracy.exits import errors, exits_of, fault
 from harness.studies.accuracy.fit import RESOLVED, fit_order
 from harness.studies.accuracy.keep import kept_oracle
 from harness.studies.accuracy.oracle import Oracle, convention_of
-from harness.studies.accuracy.phases import Phased, delays, stepped, with_phases
+from harness.studies.accuracy.phases import SEED, Phased, delays, stepped, with_phases
 from harness.studies.accuracy.result import Point, Track
 from harness.studies.accuracy.shown import Grouped
 from harness.studies.accuracy.turn import largest_fraction
@@ -66,21 +66,25 @@ class Ladder:
 
 
 class Ladders(NamedTuple):
-    """All cases; contact_time: that which dt_fraction is a part of, s."""
+    """All cases; contact_time: that which dt_fraction is a part of, s.
+
+    finest: dt_fraction that oracles are finer than, None for that of each case.
+    """
 
     cases: tuple[Ladder, ...]
     contact_time: float
+    finest: float | None = None
 
 
-def ladders(scene: Free, file: Path, values: Sequence[float], phases: int) -> Ladders:
+def ladders(scene: Free, file: Path, values: Sequence[float], phases: int, *, seed: int = SEED) -> Ladders:
     """Return the systems of all cases and rungs; all last as long as the scene and its longest step.
 
-    Raises InputError for scenes without free flight.
+    seed: of the phases. Raises InputError for scenes without free flight.
     """
     declared = resolve(scene, file)
     grains = grains_of(scene, declared.particles)
     contact_time = head_on(scene.contact.normal, grains.pairs[0]).time_scale
-    delay = delays(phases, max(values) * contact_time)
+    delay = delays(phases, max(values) * contact_time, seed)
     duration = scene.duration + max(values) * contact_time
     made = []
     for case in cases_of(scene):
@@ -155,7 +159,7 @@ def _oracles(
             tasks = [
                 pool.submit(
                     kept_oracle, ladder.plain, c, kept=out / "oracles", file=file, contact_time=all_cases.contact_time,
-                    finest=min(ladder.values) * all_cases.contact_time,
+                    finest=(all_cases.finest or min(ladder.values)) * all_cases.contact_time,
                 )
                 for ladder, c in plan
             ]

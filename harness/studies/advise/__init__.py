@@ -2,5 +2,6 @@
 
 from harness.studies.advise.read import read_evidence
 from harness.studies.advise.study import Advice, advise
+from harness.studies.advise.verification import Verification
 
-__all__ = ["Advice", "advise", "read_evidence"]
+__all__ = ["Advice", "Verification", "advise", "read_evidence"]

@@ -39,7 +39,7 @@ def _ladder(knob: str, rows: Sequence[MeasuredRow | LimitRow]) -> KnobLadder | N
     beyond = [r for r in measured if r.beyond_limit is not None]
     return KnobLadder(
         knob=knob, says=rows[0].knob_value, rungs=tuple(sorted(rungs, key=lambda r: -r.x)),
-        order=math.nan if limit.order_used is None else limit.order_used, state=limit.state,
+        order=math.nan if limit.order_used is None else limit.order_used, state=limit.state, scale=limit.scale,
         failed=tuple(f"{r.setting}: {r.status}" for r in measured if r.status != "completed"),
         beyond=tuple(sorted(r.value for r in beyond)), largest=next((r.beyond_limit for r in beyond), None),
     )
@@ -52,8 +52,16 @@ def _usable(row: MeasuredRow) -> bool:
 def _rung(row: MeasuredRow) -> Rung:
     return Rung(
         knob=row.knob, value=row.value, x=row.x, declared=row.declared, error=row.signed_error, bar=row.error_bar,
-        seconds=row.cpu_seconds, spread=_spread(row),
+        seconds=row.cpu_seconds, spread=_spread(row), each=_each(row),
     )
+
+
+def _each(row: MeasuredRow) -> tuple[float, ...]:
+    """Return values by packing, NaN where a packing has none; nothing of curves."""
+    told = row.each or ()
+    if any(isinstance(v, list) for v in told):
+        return ()
+    return tuple(float(v) if isinstance(v, int | float) else math.nan for v in told)
 
 
 def _spread(row: MeasuredRow) -> float | None:

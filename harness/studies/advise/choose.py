@@ -87,7 +87,7 @@ def choices(evidence: Evidence, tolerance: float, *, farther: bool) -> Iterator[
         turned = {k: _rungs(evidence, ladders[k], farther=farther) for k in DECIDED if k in ladders}
         for picked in itertools.product(*turned.values()) if turned else ():
             for effects in _effects(evidence, engine):
-                yield _choice(evidence, engine, dict(zip(turned, picked, strict=True)), effects, tolerance)
+                yield choice_of(evidence, engine, dict(zip(turned, picked, strict=True)), effects, tolerance)
 
 
 def parts_of(evidence: Evidence, engine: str, rungs: Mapping[str, Rung]) -> list[Part]:
@@ -122,9 +122,10 @@ def counted_rung(ladder: KnobLadder, rung: Rung) -> Rung:
     return max((rung, *finer), key=lambda r: abs(r.error))
 
 
-def _choice(
+def choice_of(
     evidence: Evidence, engine: str, rungs: Mapping[str, Rung], effects: Part | None, tolerance: float
 ) -> Choice:
+    """Return what rungs together are expected to bring. effects: what leaving some out does, None for none."""
     ladders = [evidence.ladders[engine][knob] for knob in rungs]
     parts = parts_of(evidence, engine, rungs)
     parts += [effects] if effects is not None else []
@@ -171,7 +172,7 @@ def finer_rungs(evidence: Evidence, ladder: KnobLadder) -> list[Rung]:
         value = last.value * factor if grows else last.value / factor
         x = x_of(value)
         found.append(replace(
-            last, value=value, x=x, declared=False, origin="extrapolated", spread=None,
+            last, value=value, x=x, declared=False, origin="extrapolated", spread=None, each=(),
             error=reference.error * (x / reference.x) ** ladder.order, seconds=last.seconds * factor**power,
             how=f"error ~ x^{ladder.order:.2g} from {reference.value:.4g}, time by a power {power:.2g} of the value",
         ))

@@ -9,7 +9,7 @@ the scene as declared, r_k. Together::
 e_k is seen if it is more than 2 b_k. Seen errors are added as if all had one sign: they may cancel, but nothing says
 that they do. Errors that do not stand out of the noise are noise, and are added in quadrature like the standard errors
 and the scatter s of one packing over the P packings that the user makes. Both rules are of first order: that knobs do
-not act on each other was not measured, a run of the whole setting decides. So was the product of times.
+not act on each other was not measured, a run of the whole setting decides (`verify`). So was the product of times.
 """
 
 from __future__ import annotations
@@ -47,6 +47,11 @@ class Total:
     def error(self, packings: int) -> float:
         """Return E(P)."""
         return self.systematic + math.hypot(self.noise, self.spread / math.sqrt(packings))
+
+    @property
+    def of_knobs(self) -> float:
+        """E without the user's own scatter, which no more packings bring down."""
+        return self.systematic + self.noise
 
     def packings_for(self, tolerance: float) -> int | None:
         """Return the least P with E(P) <= tolerance, None if there is none up to MOST_PACKINGS."""

@@ -24,6 +24,7 @@ class Rung:
     """One setting of one knob. error: signed where it has a sign, against the knob's limit; bar: its standard error;
     both over the quantity's scale. seconds: CPU time of one whole test. spread: scatter of one packing, over the scale.
 
+    each: values by packing, in the unit, NaN where a packing has none; empty of curves, and where it was not run.
     origin: whether this setting was run, or follows from others; how: then from which.
     """
 
@@ -35,6 +36,7 @@ class Rung:
     bar: float
     seconds: float
     spread: float | None = None
+    each: tuple[float, ...] = ()
     origin: Origin = "measured"
     how: str = ""
 
@@ -48,6 +50,7 @@ class Rung:
 class KnobLadder:
     """All good rungs of one knob on one engine, coarsest first. failed: why other rungs have no error.
 
+    scale: what errors are measured by, in the quantity's unit; of bodies that are followed 1, the speed at the start.
     order: used for the limit. state: of the limit, see `harness.studies.accuracy.limit`. beyond: values, of rungs with
     and without an error, that are beyond the scene's stability limit `largest`, so that `scene` refuses them.
     """
@@ -57,6 +60,7 @@ class KnobLadder:
     rungs: tuple[Rung, ...]
     order: float
     state: str
+    scale: float = 1.0
     failed: tuple[str, ...] = ()
     beyond: tuple[float, ...] = ()
     largest: float | None = None

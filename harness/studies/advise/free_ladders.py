@@ -58,12 +58,12 @@ def _bars(data: FreeFile, case: str, quantity: str) -> dict[tuple[str, float], f
     oracle = {r.engine: r.error or 0.0 for r in data.tables.oracles if r.case == case}
     rows = [r for r in data.errors if r.case == case and getattr(r, quantity)]
     return {
-        (r.engine, r.dt_fraction): math.hypot(oracle[r.engine], _of_rms(getattr(r, quantity)))
+        (r.engine, r.dt_fraction): math.hypot(oracle[r.engine], rms_error(getattr(r, quantity)))
         for r in rows if r.engine in oracle
     }
 
 
-def _of_rms(errors: Sequence[float]) -> float:
+def rms_error(errors: Sequence[float]) -> float:
     """Return the standard error of sqrt(mean(e^2)), infinite of a single one."""
     squares = [e * e for e in errors]
     count, mean = len(squares), sum(squares) / len(squares)

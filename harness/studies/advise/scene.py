@@ -45,14 +45,20 @@ def advised_scene(scene: Scene, file: Path, settings: Settings, *, packings: int
 
 def can_run(scene: Scene, file: Path, settings: Settings) -> bool:
     """Whether the scene obeys all rules that are known before a packing is made, its time step's among them."""
+    return not why_not_run(scene, file, settings)
+
+
+def why_not_run(scene: Scene, file: Path, settings: Settings) -> str:
+    """Say which rule the scene breaks, "" if none that is known before a packing is made."""
     try:
         made = advised_scene(scene, file, settings)
-        if first_fault(made, file.parent) is not None:
-            return False
+        fault = first_fault(made, file.parent)
+        if fault is not None:
+            return str(fault.error(file))
         known_system(made, file)
-    except InputError:
-        return False
-    return True
+    except InputError as error:
+        return str(error)
+    return ""
 
 
 def _fitting(scene: Scene, file: Path) -> Scene:

@@ -2,21 +2,28 @@
 
 import json
 import math
+from functools import partial
 from pathlib import Path
 
 import msgspec
 import numpy as np
 import pytest
 
+from harness.engines.registry import find_engine
 from harness.errors import InputError
+from harness.report.advise_expected import verification_announcement
 from harness.report.advise_tables import sum_rows
 from harness.report.advise_words import limits, paragraph
 from harness.scene.load import load_scene
 from harness.scene.write import write_scene
-from harness.studies.accuracy import accuracy
+from harness.studies.accuracy import accuracy, cost, steps
+from harness.studies.accuracy.phases import delays
 from harness.studies.advise import advise, read_evidence
 from harness.studies.advise.files import FREE_SCHEMA
-from harness.studies.advise.free_ladders import _of_rms
+from harness.studies.advise.free_ladders import rms_error
+from harness.studies.advise.verification import multiple_of
+from harness.studies.advise.verify import verify
+from harness.studies.advise.verify_free import OTHER, free_case
 
 FILE = Path(__file__).resolve().parents[3] / "inputs" / "scenes" / "oblique_impact.toml"
 BEYOND = "beyond the scene's limit of"
@@ -151,10 +158,60 @@ def test_standard_error_of_a_root_mean_square():
     """Against what samples of normal numbers scatter: rms of n has s/sqrt(2 n)."""
     rng = np.random.default_rng(5)
     samples = rng.normal(size=(4000, 50))
-    told = np.mean([_of_rms(list(s)) for s in samples[:300]])
+    told = np.mean([rms_error(list(s)) for s in samples[:300]])
     assert math.isclose(told, np.sqrt((samples**2).mean(axis=1)).std(), rel_tol=0.06)
-    assert math.isinf(_of_rms([1.0]))
-    assert _of_rms([0.0, 0.0]) == 0.0
+    assert math.isinf(rms_error([1.0]))
+    assert rms_error([0.0, 0.0]) == 0.0
+
+
+# --- put to the test -------------------------------------------------------------------------------------
+
+
+def verified(advice, out, monkeypatch):
+    monkeypatch.setattr(steps, "measure_costs", partial(cost.measure_costs, repeats=1))
+    return verify(
+        advice, find_engine(advice.choice.engine), out, packings=None, time_limit=60.0, workers=1, progress=None
+    )
+
+
+def test_the_advised_step_is_held_against_the_oracle_at_other_phases(tmp_path, monkeypatch):
+    """The leapfrog's error is about 0.29 f on this impact, which the made-up f/4 is near enough to."""
+    advice = advised(study(tmp_path, EVEN, engines=("kernel:lammps",)), 0.0099)
+    assert advice.choice.rungs["dt"].value == 0.02
+    longest = 0.02 * free_case(advice).contact_time
+    assert np.array_equal(free_case(advice).cases[0].phased[0].delay, delays(4, longest, OTHER))
+    assert not np.equal(delays(4, longest, OTHER), delays(4, longest)).any()
+    assert "2 runs" in verification_announcement(advice, find_engine("kernel:lammps"), packings=None, workers=1)
+    assert free_case(advice).cases[0].values == (0.02, 0.01), "times are those of the finest rung, as in ladders"
+    found = verified(advice, tmp_path, monkeypatch)
+    errors = found.advised.values[:, 0]
+    assert len(errors) == found.count == 4
+    assert found.advised.mean == math.sqrt((errors**2).mean())
+    assert 0.003 < found.advised.mean < 0.0085
+    assert found.advised.error == pytest.approx(rms_error(list(errors)), rel=1e-6), "the oracle is known to 1e-9"
+    assert found.bar == pytest.approx(multiple_of(3) * found.advised.error)
+    assert (found.verdict, found.exit_status) == ("agrees", 0)
+    assert found.reference is None
+    assert found.time_ratio == pytest.approx(found.advised.seconds / advice.choice.seconds)
+    assert found.remaining == 1e-9
+    made = {f: f.stat().st_mtime_ns for part in ("runs", "oracles", "times") for f in (tmp_path / part).rglob("*.json")}
+    assert verified(advice, tmp_path, monkeypatch).difference == found.difference
+    assert {f: f.stat().st_mtime_ns for f in made} == made
+
+
+def test_a_ladder_that_promises_too_much_is_found_out(tmp_path, monkeypatch):
+    """The same with a tenth of the error that there is."""
+    def change(data):
+        for row in (*data["tables"]["points"], *data["errors"]):
+            told = row["exit"]
+            row["exit"] = [e / 10 for e in told] if isinstance(told, list) else told and told / 10
+
+    advice = advised(rewritten(study(tmp_path, EVEN, engines=("kernel:lammps",)), change), 0.005)
+    assert advice.choice.rungs["dt"].value == 0.16
+    found = verified(advice, tmp_path, monkeypatch)
+    assert (found.verdict, found.exit_status) == ("differs", 1)
+    assert found.difference.value > 0.02
+    assert found.expected == pytest.approx(0.004)
 
 
 @pytest.mark.long
