@@ -8,19 +8,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from harness.engines.registry import find_engine
+from harness.scene.judged import RING_MARGIN
 from harness.scene.load import load_scene
 from harness.scene.ring import area_fractions
+from harness.studies.compare.alarms import handed_in
 from harness.studies.compare.band import KNOWN_TO, PUBLISHED
 from harness.studies.compare.pairs import pairs_of
 from harness.studies.compare.pointwise import window_checks
-from harness.studies.compare.profile_checks import FEWEST, profile_checks
-from harness.studies.compare.ring_checks import ring_checks
+from harness.studies.compare.profile_checks import FEWEST, profile_tests
+from harness.studies.compare.profile_tests import compared_profiles
+from harness.studies.compare.ring_checks import run_tests
 from harness.studies.compare.versions import by_records, known_records
 from harness.studies.reproduce.boxes import shipped
 from harness.studies.reproduce.protocol import Ask, Case, Measured, RatePoint, Row
 from harness.studies.reproduce.ring.cases import Plan, faster_than, main_plans
 from harness.studies.reproduce.ring.measure import STATIC, RingRun
 from harness.studies.reproduce.rows import Within, compared, held_against, over_packings, shown
+from harness.studies.statistics.multiple import correct_together
 from harness.studies.verdict import Check
 from postproc.macro.fits.least_squares import Fit, fit_line, points
 from postproc.results import Unavailable, headed
@@ -235,6 +239,7 @@ def checks_of(cases: Sequence[Case], runs: Runs, rerun) -> list[Check]:
 
     Profiles of codes decide over packings, from three on. Of fewer, error bars are those of time, which a slow flow
     makes too small: they decide nothing then but in the ring whose false alarms were counted, `PROVEN` as shipped.
+    All tests of a case share one rate of false alarms (`harness.studies.compare.alarms`).
     """
     found = []
     for case in cases:
@@ -248,9 +253,12 @@ def checks_of(cases: Sequence[Case], runs: Runs, rerun) -> list[Check]:
         )
         told = min(len(by) for by in of.values()) >= FEWEST or case.scene == load_scene(shipped(PROVEN))
         records = known_records([find_engine(e) for e in of], [next(iter(by.values())).system for by in of.values()])
+        codes = profile_tests(pairs, profiles, rerun, RING_MARGIN, compared_profiles(pairs, profiles))
+        each = run_tests(balances, rerun, RING_MARGIN)
+        (alarms,) = correct_together(case.scene.compare.false_alarms, handed_in([*codes, *each]))
         made = [*(window_checks(pairs, case.scene.compare.windows, curves, rerun) if pairs else ()),
-                *(c if told else _undecided(c) for c in profile_checks(pairs, profiles, rerun)),
-                *(by_records(c, records) for c in ring_checks(balances, rerun))]
+                *(c if told else _undecided(c) for c in (t.check(alarms.level) for t in codes)),
+                *(by_records(t.check(alarms.level), records) for t in each)]
         found += [replace(c, quantity=f"{case.name}: {c.quantity}") for c in made]
     return found
 

@@ -71,12 +71,12 @@ def _row(
     made: Sequence[Made], engine: str, scenes: Mapping[float, Biaxial], talk: Mapping[float, float], wall: str,
     duration: float, what: str,
 ) -> dict | None:
-    runs = {p: _run(made, engine, _name(p, wall, duration)) for p in scenes}
+    runs = {p: found_run(made, engine, _name(p, wall, duration)) for p in scenes}
     if any(r is None for r in runs.values()):
         return None
     axial = {p: r.numbers[READINGS[what]] for p, r in runs.items()}
-    angle, cohesion = _line(list(scenes), list(axial.values()))
-    measured, _ = _line([r.numbers[SIDE] for r in runs.values()], list(axial.values()))
+    angle, cohesion = line_through(list(scenes), list(axial.values()))
+    measured, _ = line_through([r.numbers[SIDE] for r in runs.values()], list(axial.values()))
     return {
         "engine": engine, "side wall": wall, "T (s)": duration, "read": what,
         **{f"I at p_x = {p:g} N/m": peak_inertial_number(_slowed(s, duration)) for p, s in scenes.items()},
@@ -91,11 +91,13 @@ def _slowed(scene: Biaxial, duration: float) -> Biaxial:
     return replace(scene, top=replace(scene.top, duration=duration))
 
 
-def _run(made: Sequence[Made], engine: str, case: str) -> BoxRun | None:
+def found_run(made: Sequence[Made], engine: str, case: str) -> BoxRun | None:
+    """Return the first run of a case, None if it has none."""
     return next(iter(by_engine(made, case).get(engine, {}).values()), None)
 
 
-def _line(side: Sequence[float], axial: Sequence[float]) -> tuple[float | None, float | None]:
+def line_through(side: Sequence[float], axial: Sequence[float]) -> tuple[float | None, float | None]:
+    """Return phi (degrees) and c (N/m) of the Mohr-Coulomb line, None twice where there is none."""
     line = mohr_coulomb(np.array(side), np.array(axial))
     return (None, None) if isinstance(line, Unavailable) else (line.angle.value, line.cohesion.value)
 
@@ -106,7 +108,7 @@ def drive_words(rows: Sequence[Mapping], talk: Mapping[float, float]) -> str:
     Raises ValueError without a row.
     """
     best = min(rows, key=lambda r: r["off the talk"])
-    angle, cohesion = _line(list(talk), list(talk.values()))
+    angle, cohesion = line_through(list(talk), list(talk.values()))
     return (
         f"Other drives at k_c = 0 (table below): {len(rows)} readings of durations from {min(DURATIONS):g} to "
         f"{max(DURATIONS):g} s and of a side wall as in the study or as heavy as the sample. Nearest to the talk at "

@@ -3,15 +3,15 @@
 import pytest
 
 from harness.scene.grains import grains_of
-from harness.studies.reproduce import cohesion, drives
 from harness.studies.reproduce.boxes import LARGEST, SIDE
+from harness.studies.reproduce.cohesion import declared, drives
 
 TALK = {100.0: 183.0, 500.0: 798.0}
 
 
 @pytest.fixture
 def scenes(ask):
-    return cohesion._without_adhesion(cohesion.cases(ask("paper")))
+    return declared.without_adhesion(declared.main_tests(ask("paper")))
 
 
 def stresses(plateau, top, side):
@@ -31,13 +31,13 @@ def measured(made, box_run, numbers):
 
 
 def test_the_tests_without_adhesion_are_varied(scenes):
-    assert set(scenes) == set(cohesion.PRESSURES)
+    assert set(scenes) == set(declared.PRESSURES)
     assert all(s.contact.normal.adhesion_stiffness == 0.0 for s in scenes.values())
     assert all(s.preparation.pressure == p == s.side.pressure for p, s in scenes.items())
 
 
 def test_only_drive_and_wall_change(scenes, ask):
-    planned = [c for c in cohesion.cases(ask("paper")) if c.name.startswith("another drive")]
+    planned = [c for c in declared.cases(ask("paper")) if c.name.startswith("another drive")]
     assert len(planned) == len(drives.WALLS) * len(drives.DURATIONS) * len(TALK) == 12
     assert {c.packings for c in planned} == {1}
     assert len({c.scene.title for c in planned}) == 12
