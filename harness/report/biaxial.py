@@ -10,6 +10,8 @@ from harness.report import biaxial_panels, figures
 from harness.report.page import Figure, Section
 from harness.report.panels import panel
 from harness.report.replicates import replicate_rows, replicate_sections
+from harness.report.wall_bands import TABLE as WALL_BANDS
+from harness.report.wall_bands import band_rows, has_replicates, where_bands_are
 from harness.studies.compare.macro import MACRO
 from harness.studies.compare.pointwise import force_deviation
 from postproc.results import headed
@@ -22,15 +24,20 @@ SHOWN_STRAINS = (0.0, 0.011, 0.042, 0.091)
 """Axial strains of the talk's pictures: 0, 1.1, 4.2 and 9.1 per cent."""
 
 
-TABLES = ("macro", "phases", "deviation", "curves", "states", "averages", "growth", "replicates")
+TABLES = ("macro", "phases", "deviation", "curves", "states", "averages", "growth", "replicates", WALL_BANDS)
 
 
 def tables(comparison: Comparison) -> dict[str, list[dict]]:
-    """Rows by table name: macroscopic numbers, parts of the test, curves sample by sample, state averages."""
+    """Rows by table name: macroscopic numbers, parts of the test, curves sample by sample, state averages.
+
+    Bands of wall curves are of replicates only.
+    """
     rows = (
         macro_rows, phase_rows, deviation_rows, curve_rows, state_rows, average_rows, growth_rows, _replicate_rows,
+        wall_band_rows,
     )
-    return {name: make(comparison) for name, make in zip(TABLES, rows, strict=True)}
+    made = zip(TABLES, rows, strict=True)
+    return {name: make(comparison) for name, make in made if name != WALL_BANDS or has_replicates(comparison)}
 
 
 def sections(comparison: Comparison) -> list[Section]:
@@ -40,7 +47,10 @@ def sections(comparison: Comparison) -> list[Section]:
     return [
         *replicate_sections(comparison.result.judged, comparison.looks),
         Section(heading="Numbers of the whole test", note=MACRO_NOTE, rows=macro_page_rows(comparison)),
-        Section(heading="Stress and volume against strain", figures=biaxial_panels.wall_panels(comparison)),
+        Section(
+            heading="Stress and volume against strain", note=where_bands_are(comparison),
+            figures=biaxial_panels.wall_panels(comparison),
+        ),
         *_agreement(comparison),
         Section(
             heading="How calm was the sample?", note=PHASE_NOTE, rows=phase_page_rows(comparison),
@@ -155,10 +165,19 @@ CURVES = {
 
 def curve_rows(comparison: Comparison) -> list[dict]:
     """One row an engine and sample."""
+    found = {
+        e: {headed(q, unit): getattr(c, q).tolist() for q, unit in CURVES.items()}
+        for e, c in comparison.result.curves.items()
+    }
     return [
-        {"engine": e, **{headed(q, unit): float(getattr(c, q)[k]) for q, unit in CURVES.items()}}
-        for e, c in comparison.result.curves.items() for k in range(len(c.step))
+        {"engine": e, **dict(zip(columns, row, strict=True))}
+        for e, columns in found.items() for row in zip(*columns.values(), strict=True)
     ]
+
+
+def wall_band_rows(comparison: Comparison) -> list[dict]:
+    """One row an engine and strain: mean over the engine's runs and standard error of what the page draws of walls."""
+    return band_rows(biaxial_panels.wall_bands(comparison), CURVES, "strain")
 
 
 def state_rows(comparison: Comparison) -> list[dict]:
@@ -216,7 +235,7 @@ def _averages(comparison: Comparison) -> list[Section]:
     shown = biaxial_panels.average_panels(comparison)
     judged = comparison.result.judged
     paired = PAIRED_NOTE if judged and judged[0].tested.difference.paired else ""
-    note = " ".join(filter(None, (AVERAGE_NOTE, paired, _absent(comparison))))
+    note = " ".join(filter(None, (AVERAGE_NOTE, paired, where_bands_are(comparison, "averages"), _absent(comparison))))
     return [Section(heading="Micro-macro averages", note=note, figures=shown)] if shown else []
 
 

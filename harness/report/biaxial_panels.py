@@ -70,15 +70,18 @@ def _average_panel(comparison: Comparison, quantity: str, bands: dict[str, Band]
     )
 
 
-def _wall_panels(comparison: Comparison, wanted) -> tuple[Figure, ...]:
+def wall_bands(comparison: Comparison, wanted: Sequence[str] = (*WALLS, *CONTROL)) -> dict[str, dict[str, Band]]:
+    """Return quantity -> engine -> band over strain, of what is measured at the walls."""
     curves = _all_curves(comparison)
-    return tuple(_wall_panel(curves, quantity, *wanted[quantity]) for quantity in wanted)
+    return {q: {e: _band(of, q) for e, of in curves.items()} for q in wanted}
 
 
-def _wall_panel(
-    curves: dict[str, list[BiaxialCurves]], quantity: str, label: str, scale: float, caption: str
-) -> Figure:
-    bands = {e: _band(of, quantity) for e, of in curves.items()}
+def _wall_panels(comparison: Comparison, wanted) -> tuple[Figure, ...]:
+    bands = wall_bands(comparison, tuple(wanted))
+    return tuple(_wall_panel(of, *wanted[quantity]) for quantity, of in bands.items())
+
+
+def _wall_panel(bands: dict[str, Band], label: str, scale: float, caption: str) -> Figure:
     return panel(
         lambda axes: draw_bands(axes, bands, x=STRAIN, y=label, scale=(100.0, scale)), f"{caption} {counted(bands)}"
     )

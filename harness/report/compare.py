@@ -26,16 +26,17 @@ KINDS = {Biaxial: biaxial, Couette: couette, Free: free}
 
 @dataclass(frozen=True, kw_only=True)
 class Written:
-    """The files of a report."""
+    """The files of a report. content: what `data` holds, see `report_data`."""
 
     page: Path
     data: Path
     tables: tuple[Path, ...]
     picture: Path | None
+    content: dict
 
 
-def compare_answer(comparison: Comparison) -> Answer:
-    """Return runs and verdicts for people, and everything for programs."""
+def compare_answer(comparison: Comparison, content: dict) -> Answer:
+    """Return runs and verdicts for people, and everything for programs. content: of the report that was written."""
     tables = {"Runs": run_rows(comparison), "Verdicts": check_rows(comparison)}
     if any(r.watch for r in comparison.all_runs):
         tables["Watch, largest sizes"] = watch_matrix(comparison.all_runs)
@@ -43,7 +44,7 @@ def compare_answer(comparison: Comparison) -> Answer:
     places = place_rows(comparison.words)
     if places:
         tables[PLACES] = places
-    return Answer(tables=tables, data=report_data(comparison))
+    return Answer(tables=tables, data=content)
 
 
 def write_report(comparison: Comparison, out: Path) -> Written:
@@ -56,7 +57,9 @@ def write_report(comparison: Comparison, out: Path) -> Written:
     from harness.runs.atomic import write_json_atomic, write_text_atomic
 
     out.mkdir(parents=True, exist_ok=True)
-    tables = {"checks": check_rows(comparison), "runs": run_rows(comparison), **_kind(comparison).tables(comparison)}
+    of_kind = _kind(comparison).tables(comparison)
+    tables = {"checks": check_rows(comparison), "runs": run_rows(comparison), **of_kind}
+    content = report_data(comparison, of_kind)
     if any(r.watch for r in comparison.all_runs):
         tables |= {"watch": watch_rows(comparison.all_runs), "remarks": remark_rows(comparison.all_runs)}
     sections = [
@@ -68,14 +71,23 @@ def write_report(comparison: Comparison, out: Path) -> Written:
         ),
     ]
     page = render_page(title=comparison.scene.title, lead=_lead(comparison), sections=sections)
-    for name, rows in tables.items():
-        write_text_atomic(out / f"{name}.csv", csv_text(rows))
-    write_json_atomic(out / DATA, report_data(comparison))
+    files = _write_tables(tables, out, _table_names(_kind(comparison)))
+    write_json_atomic(out / DATA, content)
     write_text_atomic(out / PAGE, page)
     write_text_atomic(out / JUNIT, _junit(comparison))
-    files = tuple(out / f"{name}.csv" for name in tables)
     picture = _write_picture(comparison, out / PICTURE)
-    return Written(page=out / PAGE, data=out / DATA, tables=files, picture=picture)
+    return Written(page=out / PAGE, data=out / DATA, tables=files, picture=picture, content=content)
+
+
+def _write_tables(tables: dict[str, list[dict]], out: Path, possible: list[str]) -> tuple[Path, ...]:
+    """Write a CSV file a table; take away those of a former report that this one does not have."""
+    from harness.runs.atomic import write_text_atomic
+
+    for name in set(possible) - set(tables):
+        (out / f"{name}.csv").unlink(missing_ok=True)
+    for name, rows in tables.items():
+        write_text_atomic(out / f"{name}.csv", csv_text(rows))
+    return tuple(out / f"{name}.csv" for name in tables)
 
 
 def _lead(comparison: Comparison) -> str:
@@ -89,9 +101,13 @@ PICTURE, PAGE, DATA, JUNIT = "overview.png", "report.html", "report.json", "juni
 
 def check_report_places(out: Path) -> None:
     """Raise InputError when a folder stands where a file of the report goes: before anything is run."""
-    tables = ("checks", "runs", "watch", "remarks", *(name for kind in KINDS.values() for name in kind.TABLES))
-    names = (PICTURE, PAGE, DATA, JUNIT, *(f"{name}.csv" for name in tables))
+    names = (PICTURE, PAGE, DATA, JUNIT, *(f"{name}.csv" for name in _table_names(*KINDS.values())))
     refuse_folders(out, names)
+
+
+def _table_names(*kinds) -> list[str]:
+    """Return all tables that reports of these kinds can have."""
+    return ["checks", "runs", "watch", "remarks", *(name for kind in kinds for name in kind.TABLES)]
 
 
 def _write_picture(comparison: Comparison, path: Path) -> Path | None:
@@ -132,8 +148,11 @@ def _run_row(run: Run) -> dict:
     }
 
 
-def report_data(comparison: Comparison) -> dict:
-    """Everything in the page's tables as JSON-able data, with the scene and the outcomes in full."""
+def report_data(comparison: Comparison, tables: dict[str, list[dict]]) -> dict:
+    """Everything in the page's tables as JSON-able data, with the scene and the outcomes in full.
+
+    tables: those of the scene's kind.
+    """
     import msgspec
 
     return {
@@ -143,7 +162,7 @@ def report_data(comparison: Comparison) -> dict:
         "summary": summary(comparison),
         "checks": [asdict(c) for c in comparison.checks],
         "runs": [msgspec.to_builtins(r.outcome) for r in comparison.all_runs],
-        "tables": {"runs": run_rows(comparison), **_kind(comparison).tables(comparison)},
+        "tables": {"runs": run_rows(comparison), **tables},
     }
 
 

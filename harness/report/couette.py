@@ -9,10 +9,13 @@ from harness.report.page import Section
 from harness.report.replicates import error_rates, looking_again, replicate_page_rows
 from harness.report.ring_pictures import chain_figure, overview, spin_figure
 from harness.report.ring_tables import TABLES, number_page_rows, published_rows, tables
+from harness.report.ring_torque import torque_panels
+from harness.report.wall_bands import where_bands_are
 from harness.scene.ring import area_fractions
 from harness.studies.compare.profile_checks import MOST
 from harness.studies.compare.ring_checks import STEADY
 from harness.studies.compare.significance import POWER
+from harness.studies.statistics.looks import level_of
 
 if TYPE_CHECKING:
     from harness.studies.compare.study import Comparison
@@ -50,7 +53,7 @@ def sections(comparison: Comparison) -> list[Section]:
         Section(heading=_averages(comparison), note=_number_note(comparison), rows=number_page_rows(comparison)),
         *_between_codes(comparison),
         Section(heading="Published", note=PUBLISHED_NOTE, rows=published_rows(comparison)),
-        Section(heading="Torque", figures=panels.torque_panels(comparison)),
+        Section(heading="Torque", note=where_bands_are(comparison), figures=torque_panels(comparison)),
         Section(heading="Profiles", note=_profile_note(comparison)),
         *(Section(heading=heading, figures=made) for heading, made in figures.items() if made),
         Section(heading="Equilibrium", note=BALANCE_NOTE, figures=panels.balance_panels(comparison)),
@@ -109,9 +112,26 @@ def _between_codes(comparison: Comparison) -> list[Section]:
         f"do not see. Differences are parts of the number, of a mean over cells of the profile's size (its root mean "
         f"square; of the volume fraction that of its variation over r, as its mean is set by the scene). Errors of v_0 "
         f"and s are those of the same fit to another time; what one exponential misses is in both sides alike. {how} "
-        f"{error_rates(terms, len(judged))}\n{looking_again(terms, comparison.looks)}"
+        f"{error_rates(terms, len(judged), rate=_one_rate(comparison))}\n{looking_again(terms, comparison.looks)}"
     )
     return [Section(heading="Numbers of codes beside each other", note=note, rows=replicate_page_rows(judged))]
+
+
+def _one_rate(comparison: Comparison) -> str:
+    """State the one rate of false alarms of the page, and what shares it; without a full stop."""
+    rate, tests = _declared_rate(comparison), comparison.result.tests
+    return (
+        f"One rate of false alarms holds for this whole page: the {tests} tests of profiles, numbers, means over "
+        f"cells, widths against the talk's and balances of single runs are corrected together (Holm; a test of N cells "
+        f"hands in N times its smallest p), so that with a probability of {rate:g} at most any of them says that "
+        "something differs where nothing does. What is checked against a declared tolerance, sample by sample, has no "
+        "chance in it"
+    )
+
+
+def _declared_rate(comparison: Comparison) -> float:
+    """That of this look: further looks are made at half the rate of the one before."""
+    return level_of(comparison.scene.compare.false_alarms, comparison.looks)
 
 
 def _number_note(comparison: Comparison) -> str:
@@ -146,10 +166,11 @@ def _profile_note(comparison: Comparison) -> str:
         f"Means over {runs[0].frames} frames in {len(runs[0].r)} concentric rings, discs cut by borders by their "
         f"area; bands are one standard error {error}. Ratios, deviators and angles are formed from averages. "
         "Runs of one packing are the same numbers until chaos parts them, and independent afterwards; what is judged "
-        "counts them as independent. In a whole comparison of equal codes a profile is falsely said to differ in a "
-        f"cell with a probability of {declared.false_alarms:g} at most. Profiles agree where no cell differs, a "
-        f"difference of {100 * declared.margin:g} % of the profile's size would have been seen in {MOST:.0%} of the "
-        f"cells, in each with a probability of {POWER:g}, and no cell is further apart than that.{missing}"
+        f"counts them as independent. Profiles share the one rate of false alarms of this page, "
+        f"{_declared_rate(comparison):g} for {comparison.result.tests} tests together. They agree where no cell "
+        f"differs, a difference of {100 * declared.margin:g} % of the profile's size would have been seen in "
+        f"{MOST:.0%} of the cells, in each with a probability of {POWER:g}, and no cell is further apart than "
+        f"that.{missing}"
     )
 
 

@@ -90,13 +90,14 @@ def refuse_folders(out: Path, names: Iterable[str]) -> None:
 
 def _write_pictures(out: Path, names: tuple[str, str], written: Written) -> tuple[Figure, ...]:
     """Write PNG and SVG, or take away those of a former report, so that no page stands beside another's picture."""
-    from harness.report.figures import png_bytes, png_uri, svg_bytes
+    from harness.report.figures import data_uri, png_bytes, svg_bytes
     from harness.runs.atomic import write_bytes_atomic
 
     if written.figure is None:
         for name in names:
             (out / name).unlink(missing_ok=True)
         return ()
-    write_bytes_atomic(out / names[0], png_bytes(written.figure, dpi=110))
+    png = png_bytes(written.figure, dpi=110)
+    write_bytes_atomic(out / names[0], png)
     write_bytes_atomic(out / names[1], svg_bytes(written.figure))
-    return (Figure(uri=png_uri(written.figure), caption=written.caption),)
+    return (Figure(uri=data_uri(png), caption=written.caption),)

@@ -82,13 +82,19 @@ def _note(judged: Sequence[Judged], looks: Sequence[int]) -> str:
     )
 
 
-def error_rates(terms: Terms, checks: int) -> str:
-    """Say how often differences and agreements are false, among how many checks."""
+def error_rates(terms: Terms, checks: int, *, rate: str = "") -> str:
+    """Say how often differences and agreements are false, among how many checks.
+
+    rate: what is said of differences, if others share the rate with these checks.
+    """
     alone = checks * terms.false_alarms
-    return (
+    alarms = rate or (
         f"If all codes were equal, one false alarm or more among these {checks} checks would come with a probability "
-        f"of {terms.false_alarms:g} at most (Holm's adjusted p); by chance: the difference that equal codes show at "
-        f"that rate. Equivalence: the difference is shown to be smaller than the margin of {100 * terms.margin:g} % "
+        f"of {terms.false_alarms:g} at most (Holm's adjusted p)"
+    )
+    return (
+        f"{alarms}; by chance: the difference that equal codes show at that rate. Equivalence: the difference is shown "
+        f"to be smaller than the margin of {100 * terms.margin:g} % "
         f"where its p, adjusted in the same way, is {terms.false_alarms:g} or less, so that with a probability of "
         f"{1 - terms.false_alarms:g} or more none of the checks that agree is wrong. (Each at {terms.false_alarms:g} "
         f"for itself, up to {alone:.2g} of {checks} could falsely agree.) That no difference was seen shows nothing by "

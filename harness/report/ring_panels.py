@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
 DEPTH = "(r - R_i)/d"
 RADIUS = "r (mm)"
-SMOOTHED = 100
-"""Parts of a run that the torque history is averaged over: single samples hide the mean behind their scatter."""
 
 Shown = Mapping[str, tuple[str, str]]
 """Profile: label and caption."""
@@ -109,45 +107,6 @@ def _band(r: Sequence[np.ndarray], profiles: Sequence[Profile]) -> Band:
 
 
 # --- panels of their own -----------------------------------------------------------------------
-
-
-def torque_panels(comparison: Comparison) -> tuple[Figure, ...]:
-    """Torque history of both rings of the first packing, and how runs part."""
-    rings = (("inner_torque", -1.0, "−T on the inner ring"), ("outer_torque", 1.0, "T on the outer ring"))
-    history = tuple(
-        panel(
-            lambda axes, ring=ring: draw_torque(axes, comparison, *ring),
-            f"{what}, means over {1 / SMOOTHED:.0%} of the run; grey: what is averaged over. First packing.",
-        ) for *ring, what in rings
-    )
-    if not comparison.result.growth:
-        return history
-    parting = panel(
-        lambda axes: figures.draw_signal_deviation(axes, comparison, left=_first_time(comparison)),
-        "How far the torques on the inner ring differ, over the rms torque; grey: declared tolerances.",
-    )
-    growth = panel(
-        lambda axes: figures.draw_growth(axes, comparison.result.growth), "How positions part, from identical numbers."
-    )
-    return (*history, parting, growth)
-
-
-def _first_time(comparison: Comparison) -> float:
-    return float(next(iter(comparison.result.curves.values())).time[1])
-
-
-def draw_torque(axes, comparison: Comparison, quantity: str, sign: float) -> None:
-    """Draw the torque on a ring against time, in mN m."""
-    for engine, c in comparison.result.curves.items():
-        size = max(1, len(c.time) // SMOOTHED)
-        whole = len(c.time) // size * size
-        time, torque = (v[:whole].reshape(-1, size).mean(axis=1) for v in (c.time, getattr(c, quantity)))
-        axes.plot(time, 1e3 * sign * torque, **figures.line_style(engine))
-    steady = comparison.scene.compare.steady_from
-    axes.axvspan(steady, comparison.scene.duration, color="#888888", alpha=0.12, lw=0)
-    axes.set_xlabel("time (s)")
-    axes.set_ylabel(f"{'−' if sign < 0 else ''}torque (mN m)")
-    axes.grid(alpha=0.3)
 
 
 def velocity_panels(comparison: Comparison) -> tuple[Figure, ...]:

@@ -58,12 +58,13 @@ def spin_figure(comparison: Comparison) -> Figure | None:
 
 def overview(comparison: Comparison):
     """Return a figure: torque, velocity and density above, force chains of up to three codes below; None of no run."""
-    from harness.report.ring_panels import draw_density, draw_torque, draw_velocity
+    from harness.report.ring_panels import draw_density, draw_velocity
+    from harness.report.ring_torque import INNER, draw_torque, torque_bands
 
     if not comparison.result.curves:
         return None
     figure, axes = figures.new_figure(2, 3, width=13, height=8)
-    draw_torque(axes[0, 0], comparison, "inner_torque", -1.0)
+    draw_torque(axes[0, 0], comparison, INNER, torque_bands(comparison)[INNER])
     axes[0, 0].legend(fontsize=7)
     draw_velocity(axes[0, 1], comparison)
     draw_density(axes[0, 2], comparison, free=True)
@@ -95,7 +96,7 @@ def draw_chains(axes, run: Run, frame: int, comparison: Comparison, width: float
 
     snapshot = run.trajectory.frames[frame]
     start, end, force = figures.contact_lines(snapshot)
-    axes.add_collection(LineCollection(
+    figures.add_inside(axes, LineCollection(
         np.stack([start, end], axis=1), linewidths=np.minimum(3.0 * force / width, 4.0), colors="#222222",
     ))
     _ring_view(axes, snapshot, comparison.starts[run.packing].system)
@@ -121,8 +122,7 @@ def _ring_view(axes, snapshot: Snapshot, system: System) -> None:
     reach = 1e3 * MARGIN * (outer.circle + float(outer.radius.max()))
     for limits, middle in zip((axes.set_xlim, axes.set_ylim), outer.centre, strict=True):
         limits(1e3 * middle - reach, 1e3 * middle + reach)
-    axes.set_aspect("equal")
-    axes.axis("off")
+    figures.bare(axes)
 
 
 def _turned(ring: Ring, time: float) -> np.ndarray:
@@ -140,5 +140,5 @@ def _circles(axes, centres: np.ndarray, radius: np.ndarray, **look):
         diameter, diameter, np.zeros_like(diameter), units="x", offsets=1e3 * centres, transOffset=axes.transData,
         edgecolors="none", **look,
     )
-    axes.add_collection(discs)
+    figures.add_inside(axes, discs)
     return discs

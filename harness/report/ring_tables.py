@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from harness.report.replicates import replicate_rows
+from harness.report.ring_torque import torque_band_rows
+from harness.report.wall_bands import TABLE as WALL_BANDS
+from harness.report.wall_bands import has_replicates
 from harness.scene.ring import area_fractions
 from harness.studies.compare.profile_quantities import QUANTITIES
 from harness.studies.compare.ring_numbers import Number, ring_numbers
@@ -19,13 +22,17 @@ if TYPE_CHECKING:
     from harness.studies.compare.study import Comparison
 
 
-TABLES = ("numbers", "between_codes", "published", "profiles", "balances", "torque", "growth")
+TABLES = ("numbers", "between_codes", "published", "profiles", "balances", "torque", "growth", WALL_BANDS)
 
 
 def tables(comparison: Comparison) -> dict[str, list[dict]]:
-    """Rows by table name."""
-    rows = (number_rows, between_rows, published_rows, profile_rows, balance_rows, torque_rows, growth_rows)
-    return {name: make(comparison) for name, make in zip(TABLES, rows, strict=True)}
+    """Rows by table name; bands of the torque are of replicates only."""
+    rows = (
+        number_rows, between_rows, published_rows, profile_rows, balance_rows, torque_rows, growth_rows,
+        torque_band_rows,
+    )
+    made = zip(TABLES, rows, strict=True)
+    return {name: make(comparison) for name, make in made if name != WALL_BANDS or has_replicates(comparison)}
 
 
 def number_rows(comparison: Comparison) -> list[dict]:

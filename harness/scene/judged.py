@@ -31,6 +31,9 @@ class Window(Table):
         return f"top-wall force up to {100 * self.strain:g} % strain"
 
 
+FALSE_ALARMS = 0.05
+"""Probability with which a report on codes that are equal says anywhere that they differ."""
+
 MOST_PACKINGS = 1000
 """Of one comparison: an error bar over a thousand packings is 3 % of their spread; more is a slip."""
 
@@ -46,7 +49,7 @@ class Compare(Table):
 
     packings: Annotated[int, Meta(ge=1, le=MOST_PACKINGS)] = 1
     replicates: Annotated[int, Meta(ge=2, le=MOST_PACKINGS)] | None = None
-    false_alarms: Annotated[float, Meta(gt=0, le=0.5)] = 0.05
+    false_alarms: Annotated[float, Meta(gt=0, le=0.5)] = FALSE_ALARMS
     margin: Annotated[float, Meta(gt=0, le=1)] = 0.05
     strains: tuple[Positive, ...] = ()
     windows: tuple[Window, ...] = ()
@@ -89,9 +92,6 @@ class TimeWindow(Table):
         return f"torque on the inner ring up to {self.time:g} s"
 
 
-RING_FALSE_ALARMS = 0.01
-"""Of all profiles of a comparison, and of all its numbers."""
-
 RING_MARGIN = 0.25
 """Of a profile's size or a number: how small a difference a comparison of rings must be able to see. A quarter is less
 than the talk leaves open in the width of the band (1 to 2 diameters, a third either way), and what 0.5 % of area
@@ -103,16 +103,16 @@ class RingCompare(Table):
 
     Profiles are averages over the frames from `steady_from` (s) on, in `cells` concentric rings; `band` is the distance
     from the inner ring (m) up to which the velocity is fitted by v_0 exp(-(r - R_i)/s). `packings` and `replicates` as
-    in `Compare`. With a probability of `false_alarms` any of equal codes is said to differ in any cell of any profile,
-    and with as much in any number or mean over cells. Codes agree in a profile in which no difference is seen where one
-    of `margin` of its size would have been, and in a number whose difference is shown to be smaller than `margin` of
-    it.
+    in `Compare`. With a probability of `false_alarms` anything is said to differ that does not: of equal codes any cell
+    of any profile, any number, any mean over cells; of a run any balance; any width from the talk's. Codes agree in a
+    profile in which no difference is seen where one of `margin` of its size would have been, and in a number whose
+    difference is shown to be smaller than `margin` of it.
     """
 
     steady_from: NonNegative
     band: Positive
     cells: Annotated[int, Meta(ge=2, le=1000)] = 20
-    false_alarms: Annotated[float, Meta(gt=0, le=0.5)] = RING_FALSE_ALARMS
+    false_alarms: Annotated[float, Meta(gt=0, le=0.5)] = FALSE_ALARMS
     margin: Annotated[float, Meta(gt=0, le=1)] = RING_MARGIN
     packings: Annotated[int, Meta(ge=1, le=MOST_PACKINGS)] = 1
     replicates: Annotated[int, Meta(ge=2, le=MOST_PACKINGS)] | None = None

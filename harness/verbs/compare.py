@@ -43,7 +43,7 @@ def _compare(options) -> int:
             watched=options.watch,
         )
     written = write_report(comparison, options.out)
-    show(compare_answer(comparison), options)
+    show(compare_answer(comparison, written.content), options)
     if options.json != "-":
         print(f"{summary(comparison)}\n{own_cost(comparison)}report: {written.page}")
     return comparison.exit_status

@@ -12,12 +12,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import msgspec
 import numpy as np
 
 from postproc.snapshot import Columns
 from postproc.trajectory import ReadError
 
-NEWLINE, SPACE = 10, 32
+NEWLINE, SPACE, COMMA, MINUS, ZERO = b"\n ,-0"
+
+COMMAS, NUMBERS = bytes.maketrans(b" \n", b",,"), msgspec.json.Decoder(list[float])
+"""What makes a list of JSON of rows of numbers with one blank between two, and what reads it."""
 
 
 def read_dump(path: Path, *, kind: str, names: Mapping[str, str] | None = None) -> list[tuple[int, Columns]]:
@@ -155,13 +159,38 @@ def _numbers(path: Path, block: bytes, line: int, columns: int) -> np.ndarray:
     if np.any(width != columns):
         k = int(np.argmax(width != columns))
         raise ReadError(f"{path}: line {line + k}: expected {columns} numbers, got {width[k]} words")
-    try:
-        table = np.fromstring(block.decode("ascii", errors="replace"), dtype=np.float64, sep=" ")
-    except ValueError:
-        table = np.empty(0)
+    table = _parsed(block)
     if table.size != len(width) * columns or not np.isfinite(table).all():
         _blame(path, block, line)
     return table.reshape(-1, columns)
+
+
+def _parsed(block: bytes) -> np.ndarray:
+    """Return the numbers of a text, too few of them or none where a word is no number.
+
+    Numbers of 17 digits are read as JSON, to the same bits as by the C library in a third of the time (method: D.
+    Lemire, Softw. Pract. Exp. 51, 1700 (2021), doi 10.1002/spe.2984); what JSON does not allow is left to NumPy.
+    """
+    rows = block.replace(b" \n", b"\n") if block[block.find(b"\n") - 1] == SPACE else block
+    text = b"[" + rows.rstrip().translate(COMMAS) + b"]"
+    try:
+        return _signed(np.fromiter(NUMBERS.decode(text), np.float64), text)
+    except msgspec.MsgspecError:
+        pass
+    try:
+        return np.fromstring(block.decode("ascii", errors="replace"), dtype=np.float64, sep=" ")
+    except ValueError:
+        return np.empty(0)
+
+
+def _signed(values: np.ndarray, text: bytes) -> np.ndarray:
+    """Give every -0 its sign, which a whole number of JSON does not have. text: with a sign before and behind each."""
+    t = np.frombuffer(text, np.uint8)
+    bounds = np.flatnonzero((t == COMMA) | (t == t[0]) | (t == t[-1]))
+    two = np.flatnonzero(np.diff(bounds) == 3)
+    first = bounds[two] + 1
+    values[two[(t[first] == MINUS) & (t[first + 1] == ZERO)]] = -0.0
+    return values
 
 
 def _words_per_line(block: bytes) -> np.ndarray:

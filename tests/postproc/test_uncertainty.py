@@ -118,3 +118,27 @@ def test_pooled_errors_alarm_as_often_as_they_say():
             alarms[pooled] += list(2 * t.sf(size, np.minimum(e.samples, f.samples) - 1) < 0.01)
     assert np.mean(alarms[True]) < 0.015
     assert np.mean(alarms[False]) > 1.5 * np.mean(alarms[True])
+
+
+@pytest.mark.parametrize("frames", [200, 600])
+def test_an_error_of_its_own_alarms_as_often_as_it_says(frames):
+    """10000 series of one number, a hundred times tau long or more: with the degrees of freedom of the error t tests
+    at 1 % see what is not there in 1 % of them; with those of the samples far more often where series are short."""
+    from scipy.stats import t
+
+    found = estimate(ar1(0.6, frames, 10_000, seed=3))
+    trusted = found.doubt == FINE
+    size = np.abs(found.mean / found.error)
+    alarms, believed = (
+        np.mean((2.0 * t.sf(size, np.maximum(free, 0.5)) < 0.01) & trusted)
+        for free in (found.freedom, found.samples - 1.0)
+    )
+    assert alarms == pytest.approx(0.01, abs=0.003)
+    assert believed > (1.8 if frames == 200 else 1.1) * 0.01
+
+
+def test_the_degrees_of_freedom_are_those_of_the_window():
+    found = estimate(ar1(0.6, 400, 5))
+    assert found.freedom == pytest.approx(400 / (10 * found.tau + 1))
+    pooled = estimate(ar1(0.6, 400, 5), pooled=True)
+    assert pooled.freedom == pytest.approx(pooled.samples - 1)

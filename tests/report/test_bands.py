@@ -5,6 +5,7 @@ import pytest
 
 from harness.report.bands import Band, band_over
 from harness.report.panels import counted, draw_bands, panel
+from harness.report.wall_bands import band_rows
 
 
 def test_the_band_is_mean_and_standard_error():
@@ -50,3 +51,15 @@ def test_a_band_is_drawn_only_where_there_is_an_error():
 def test_what_a_band_is_of_is_said(counts, said):
     x = np.arange(2.0)
     assert counted({str(k): Band(place=x, mean=x, error=None, count=n) for k, n in enumerate(counts)}).endswith(said)
+
+
+def test_bands_are_rows_with_units_in_their_columns():
+    x = np.array([0.0, 0.5])
+    many = {"a": Band(place=x, mean=x + 1, error=x + 0.1, count=3), "b": Band(place=x, mean=x, error=None, count=1)}
+    rows = band_rows({"force": many, "ratio": many}, {"force": "N", "ratio": "1"}, "time (s)")
+    assert rows[1] == {
+        "engine": "a", "time (s)": 0.5, "replicates": 3, "force, mean (N)": 1.5, "force, standard error (N)": 0.6,
+        "ratio, mean": 1.5, "ratio, standard error": 0.6,
+    }
+    assert [(r["engine"], r["time (s)"]) for r in rows] == [("a", 0.0), ("a", 0.5), ("b", 0.0), ("b", 0.5)]
+    assert rows[2]["force, standard error (N)"] is None

@@ -217,6 +217,31 @@ def test_averages_over_packings_are_drawn_with_bands(biaxial, box, monkeypatch):
     assert axes.get_ylabel() == "sigma_zz from contacts (N/m)"
 
 
+def test_bands_of_wall_curves_are_written_over_packings_only(biaxial, box, mutate, tmp_path):
+    """Of 0.9, 1 and 1.1 times the same forces: s = 0.1, error 0.1/sqrt(3). The page says where they are."""
+    out = tmp_path / "report"
+    forces = {("lammps", 0): 0.9, ("lammps", 1): 1.0, ("lammps", 2): 1.1, ("liggghts", 0): 1.0, ("liggghts", 2): 1.2}
+    runs = {key: mutate.series(box.trajectory(), top_fy=lambda f, s=size: s * f) for key, size in forces.items()}
+    page = write_report(biaxial(runs), out).page.read_text()
+    one = np.array([float(r["stress_zz (N/m)"]) for r in numbers_of(out / "curves.csv") if r["engine"] == "liggghts"])
+    rows = numbers_of(out / "wall_bands.csv")
+    assert "wall_bands.csv" in page
+    assert list(rows[0]) == ["engine", "strain", "replicates", *(
+        f"{q}, {of}{unit}" for q, unit in (
+            ("stress_zz", " (N/m)"), ("stress_xx", " (N/m)"), ("friction_angle", " (deg)"), ("volume_strain", ""),
+            ("control_error", ""),
+        ) for of in ("mean", "standard error"))]
+    for engine, mean, error, count in (("lammps", 1.0, 0.1 / np.sqrt(3), "3"), ("liggghts", 1.1, 0.1, "2")):
+        of = [r for r in rows if r["engine"] == engine]
+        assert {r["replicates"] for r in of} == {count}
+        assert [float(r["stress_zz, mean (N/m)"]) for r in of] == pytest.approx(mean * one)
+        assert [float(r["stress_zz, standard error (N/m)"]) for r in of] == pytest.approx(error * one)
+    single = write_report(biaxial({("lammps", 0): box.trajectory()}), out)
+    assert not (out / "wall_bands.csv").exists()
+    assert out / "wall_bands.csv" not in single.tables
+    assert "wall_bands" not in single.page.read_text() + single.data.read_text()
+
+
 def axes_of(draw):
     _, ((axes,),) = new_figure(1, 1, width=4, height=3)
     draw(axes)

@@ -160,3 +160,23 @@ def test_a_folder_where_a_table_goes_is_refused_before_anything_is_run(tmp_path)
     (tmp_path / "profiles.csv").mkdir()
     with pytest.raises(InputError, match="profiles.csv"):
         check_report_places(tmp_path)
+
+
+def test_bands_of_the_torque_are_written_over_packings_only(comparison, ring, tmp_path):
+    """Of 1, 2 and 3 times the same torque: mean 2, error 1/sqrt(3) of it."""
+    out = tmp_path / "out"
+    runs = {("lammps", k): ring.trajectory(seed=k, torque=1e-3 * (1 + k)) for k in range(3)}
+    page = write_report(comparison(runs), out).page.read_text()
+    with open(out / "wall_bands.csv", newline="") as f:
+        rows = list(csv.DictReader(f))
+    assert list(rows[0]) == ["engine", "time (s)", "replicates", *(
+        f"{ring}_torque, {of} (N m)" for ring in ("inner", "outer") for of in ("mean", "standard error"))]
+    assert {(r["engine"], r["replicates"]) for r in rows} == {("lammps", "3")}
+    torque = np.array([[float(r[f"inner_torque, {of} (N m)"]) for r in rows] for of in ("mean", "standard error")])
+    assert torque[0].mean() == pytest.approx(-2e-3, rel=0.02)
+    assert torque[1].mean() == pytest.approx(1e-3 / np.sqrt(3), rel=0.05)
+    assert "wall_bands.csv" in page
+    assert "n = 3" in page
+    alone = write_report(comparison({("lammps", 0): ring.trajectory()}), out)
+    assert not (out / "wall_bands.csv").exists()
+    assert "wall_bands" not in alone.page.read_text()

@@ -51,7 +51,7 @@ def test_figures_are_pictures_within_the_page():
     figure, axes = figures.new_figure(1, 2, width=4, height=2)
     axes[0, 0].plot([0, 1], [0, 1])
     uri = figures.png_uri(figure, dpi=50)
-    assert picture(uri).shape == (100, 200, 4)
+    assert picture(uri).shape == (100, 200, 3)  # nothing shines through, so no transparency is kept
     assert f'<img src="{uri}"' in page(figures=(Figure(uri=uri, caption="c"),))
 
 
@@ -80,3 +80,34 @@ def test_growth_without_any_difference_can_be_drawn(recwarn):
     figures.draw_growth(axes[0, 0], {"a - b": Growth(time=np.arange(3.0), difference=np.zeros(3))})
     figures.png_uri(figure)
     assert not [w for w in recwarn if issubclass(w.category, UserWarning)]
+
+
+@pytest.mark.parametrize("scale", ["linear", "log"])
+def test_a_panel_fills_its_figure_as_the_constrained_layout_would(scale):
+    """One look at the labels gives the places that two do, to a pixel."""
+    def drawn():
+        figure, ((axes,),) = figures.new_figure(1, 1, width=4.4, height=3.1)
+        axes.plot([0.1, 10.0], [1e-9, 1.0])
+        axes.set(xlabel="axial strain (%)", ylabel="a long name\nin two lines", yscale=scale)
+        return figure, axes
+
+    (ours, a), (theirs, b) = drawn(), drawn()
+    figures.png_bytes(ours, dpi=140)
+    theirs.dpi = 140
+    theirs.canvas.draw()
+    assert a.get_position().bounds == pytest.approx(b.get_position().bounds, abs=1.0 / (3.1 * 140))
+
+
+def test_png_and_svg_have_one_layout():
+    figure, axes = figures.new_figure(2, 2, width=4, height=3)
+    figures.png_bytes(figure, dpi=50)
+    places = [a.get_position().bounds for a in axes.flat]
+    figures.svg_bytes(figure)
+    assert [a.get_position().bounds for a in axes.flat] == places
+
+
+def test_a_figure_that_is_transparent_stays_so():
+    figure, _ = figures.new_figure(1, 1, width=2, height=1)
+    figure.patch.set_alpha(0.0)
+    png = figures.data_uri(figures.png_bytes(figure, dpi=50))
+    assert picture(png).shape[2] == 4

@@ -53,3 +53,13 @@ def test_compressing_twice_changes_nothing(tmp_path):
     before = {p: (tmp_path / p).read_bytes() for p in names(tmp_path)}
     settle_native(tmp_path, keep=(), policy="gzip")
     assert {p: (tmp_path / p).read_bytes() for p in names(tmp_path)} == before
+
+
+def test_numbers_in_binary_stay_as_no_reader_opens_them_compressed(tmp_path):
+    (tmp_path / "frames.h5").write_bytes(bytes(LARGE))
+    (tmp_path / "dump.txt").write_bytes(bytes(LARGE))
+    said = settle_native(tmp_path, keep=(), policy="gzip")
+    assert (tmp_path / "frames.h5").read_bytes() == bytes(LARGE)
+    assert "frames.h5" not in said
+    assert (tmp_path / "dump.txt.gz").is_file()
+    assert "frames.h5 deleted" in settle_native(tmp_path, keep=(), policy="drop")

@@ -5,6 +5,10 @@ slowly where the discs creep. Its chi^2 says whether it holds. Where it does, s 
 not, no error bar of the fit means what it says: the square root of chi^2 (R. T. Birge, Phys. Rev. 40, 207 (1932)) makes
 up for errors that are too small, not for a curve that is another one. Then there are several widths, and the range of
 the talk is met or missed only if all of them say so: that of the whole fit and those of its inner and its outer half.
+
+That a width lies outside the range is seen at a rate of false alarms that is shared with all other tests of a report
+(`harness.studies.compare.alarms`). That several do has the largest of their p-values (an intersection of refutations:
+R. L. Berger, Technometrics 24, 295 (1982), doi 10.1080/00401706.1982.10487790).
 """
 
 from __future__ import annotations
@@ -12,12 +16,16 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
+from harness.scene.judged import FALSE_ALARMS
 from harness.scene.model import Couette
 from harness.scene.system import System
+from harness.studies.compare.alarms import judged_together
 from harness.studies.compare.profiles import Profile, RingProfiles, number_of
+from harness.studies.statistics.difference import Difference, p_value
 from harness.studies.verdict import Check, Rerun, not_checked
 from postproc.macro.fits.shear_band import ShearBand, fit_shear_band
 from postproc.propagation import linearised
@@ -43,8 +51,6 @@ V_0, WIDTH = "v_0 (velocity at the inner ring over its own)", "s/d (width of the
 """The numbers of a band by name."""
 
 PUBLISHED = "talk_shear_band_width"
-TWO_SIDED = 1.96
-"""Standard errors beyond the range that the width may lie by chance (5 %)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -190,67 +196,154 @@ def _none(fit: ShearBand, speed: np.ndarray, gap: float) -> str:
     return ""
 
 
-def band_checks(engines: Sequence[str], bands: Mapping[str, Mapping[int, Band]], rerun: Rerun) -> list[Check]:
-    """Each engine's width against the talk's range, in the sheared regime only (L3)."""
+@dataclass(frozen=True, kw_only=True)
+class Width:
+    """s/d over packings, of a single one that of its fit: value, standard error, degrees of freedom; NaN if unknown."""
+
+    value: float
+    error: float
+    freedom: float
+
+    def outside(self, low: float, high: float) -> float:
+        """Return the p-value of "the true width lies from low to high" (Student's t); 1 where the error is unknown."""
+        if not (math.isfinite(self.value) and self.error >= 0.0 and self.freedom > 0.0):
+            return 1.0
+        middle, half = 0.5 * (low + high), 0.5 * (high - low)
+        off = Difference(value=self.value - middle, error=self.error, dof=self.freedom, count=1, paired=False)
+        return p_value(off, half)
+
+
+@dataclass(frozen=True, kw_only=True)
+class BandTest:
+    """Is the width of an engine's band that of the talk? bands: of its packings."""
+
+    published: Published
+    engine: str
+    bands: tuple[Band, ...]
+    rerun: str
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Of the talk."""
+        low, high = (self.published.value * (1.0 + sign * self.published.tolerance) for sign in (-1, 1))
+        return low, high
+
+    @property
+    def absent(self) -> str:
+        """Why there is nothing to test, "" if there is."""
+        if not self.bands:
+            return f"no completed run of {self.engine}"
+        none = next((b.why for b in self.bands if b.why), "")
+        return f"no shear band: {none}" if none else ""
+
+    @property
+    def misfit(self) -> str:
+        """Why one exponential does not describe the velocities, "" if it does."""
+        return next((b.misfit for b in self.bands if b.misfit), "")
+
+    @cached_property
+    def width(self) -> Width:
+        """Of the whole fit."""
+        return _over_packings([Width(value=b.width, error=b.width_error, freedom=b.freedom) for b in self.bands])
+
+    @property
+    def p(self) -> float | None:
+        """The p-value of "a width of it lies in the range"; None without a band, 1 where the width is not known."""
+        if self.absent:
+            return None
+        if not self.misfit:
+            return self.width.outside(*self.range) if self.width.error <= KNOWN_TO else 1.0
+        halves = (_over_packings([_half(b, k) for b in self.bands]) for k in range(len(PARTS)))
+        return max(w.outside(*self.range) for w in (self.width, *halves))
+
+    def check(self, level: float) -> Check:
+        """Return the verdict of a test at this level."""
+        low, high = self.range
+        facts = {
+            "level": "L3", "quantity": f"{self.published.quantity} against {low:g} to {high:g}", "left": self.engine,
+            "right": self.published.origin,
+        }
+        if self.absent:
+            return not_checked(**facts, why=self.absent)
+        off = abs(self.width.value - self.published.value) / self.published.value
+        facts |= {"deviation": off, "tolerance": self.published.tolerance}
+        says = _says(self.width, self.bands)
+        judge = _of_several_widths if self.misfit else _of_one_width
+        return judge(self, facts, says, seen=self.p <= level)
+
+
+def band_checks(
+    engines: Sequence[str], bands: Mapping[str, Mapping[int, Band]], rerun: Rerun, false_alarms: float = FALSE_ALARMS
+) -> list[Check]:
+    """Judge widths that share their rate of false alarms with nothing else."""
+    return judged_together(band_tests(engines, bands, rerun), false_alarms)
+
+
+def band_tests(
+    engines: Sequence[str], bands: Mapping[str, Mapping[int, Band]], rerun: Rerun
+) -> list[BandTest]:
+    """Return the test of each engine's width against the talk's range, in the sheared regime only (L3)."""
     published = published_values()[PUBLISHED]
-    return [_band_check(published, e, list(bands.get(e, {}).values()), rerun(e)) for e in engines]
+    return [
+        BandTest(published=published, engine=e, bands=tuple(bands.get(e, {}).values()), rerun=rerun(e)) for e in engines
+    ]
 
 
-def _band_check(published: Published, engine: str, bands: Sequence[Band], rerun: str) -> Check:
-    low, high = (published.value * (1.0 + sign * published.tolerance) for sign in (-1, 1))
-    facts = {
-        "level": "L3", "quantity": f"{published.quantity} against {low:g} to {high:g}", "left": engine,
-        "right": published.origin,
-    }
-    if not bands:
-        return not_checked(**facts, why=f"no completed run of {engine}")
-    none = next((b.why for b in bands if b.why), "")
-    if none:
-        return not_checked(**facts, why=f"no shear band: {none}")
-    width, error = _mean_width(bands)
-    facts |= {"deviation": abs(width - published.value) / published.value, "tolerance": published.tolerance}
-    says = _says(width, error, bands)
-    misfit = next((b.misfit for b in bands if b.misfit), "")
-    if misfit:
-        return _of_several_widths(facts, width, bands, (low, high), f"{says}; {misfit}", rerun)
-    if not error <= KNOWN_TO:
-        return Check(**facts, verdict="inconclusive", why=f"{says}: not known to {KNOWN_TO:g}; average longer")
-    if low <= width <= high:
-        return Check(**facts, verdict="agrees", why=says)
-    beyond = max(low - width, width - high) / error if error else math.inf
-    if beyond <= TWO_SIDED:
-        return Check(**facts, verdict="inconclusive", why=f"{says}: outside by {beyond:.2g} standard errors only")
-    return Check(**facts, verdict="differs", why=f"{says}; rerun: {rerun}")
+def _half(band: Band, part: int) -> Width:
+    """The width of one half of the range, its error stretched as that of the whole."""
+    fit = band.halves[part]
+    if isinstance(fit, Unavailable):
+        return Width(value=math.nan, error=math.nan, freedom=math.nan)
+    weighted = fit.method == "weighted" and math.isfinite(fit.chi2)
+    error = fit.s.error * (math.sqrt(max(fit.chi2, 1.0)) if weighted else 1.0)
+    return Width(value=fit.s.value / band.diameter, error=error / band.diameter, freedom=fit.points - PARAMETERS)
 
 
-def _says(width: float, error: float, bands: Sequence[Band]) -> str:
+def _over_packings(widths: Sequence[Width]) -> Width:
+    """Mean over packings and its standard error; a single one has its own."""
+    if len(widths) == 1:
+        return widths[0]
+    values = np.array([w.value for w in widths])
+    error = float(values.std(ddof=1) / np.sqrt(len(values)))
+    return Width(value=float(values.mean()), error=error, freedom=len(values) - 1.0)
+
+
+def _says(width: Width, bands: Sequence[Band]) -> str:
     """Say what was found, and what was measured next to the ring where v_0 is the fit's."""
     v0, (v, dv, depth) = np.mean([b.fit.v0.value for b in bands]), bands[0].nearest
     fit = bands[0].fit
     there = fit.v0.value * math.exp(-depth / fit.s.value)
     return (
-        f"ours {width:.3g} +- {error:.2g}, v_0 = {v0:.3g} (in the cell {1e3 * depth:.2g} mm from the ring measured "
-        f"{v:.3g} +- {dv:.2g}, by the fit {there:.3g})"
+        f"ours {width.value:.3g} +- {width.error:.2g}, v_0 = {v0:.3g} (in the cell {1e3 * depth:.2g} mm from the ring "
+        f"measured {v:.3g} +- {dv:.2g}, by the fit {there:.3g})"
     )
 
 
-def _of_several_widths(
-    facts: dict, width: float, bands: Sequence[Band], wanted: tuple[float, float], says: str, rerun: str
-) -> Check:
+def _of_one_width(test: BandTest, facts: dict, says: str, *, seen: bool) -> Check:
+    """Judge a profile that is one exponential."""
+    width, error, (low, high) = test.width.value, test.width.error, test.range
+    if not error <= KNOWN_TO:
+        return Check(**facts, verdict="inconclusive", why=f"{says}: not known to {KNOWN_TO:g}; average longer")
+    if low <= width <= high:
+        return Check(**facts, verdict="agrees", why=says)
+    if seen:
+        return Check(**facts, verdict="differs", why=f"{says}; rerun: {test.rerun}")
+    beyond = max(low - width, width - high) / error
+    return Check(**facts, verdict="inconclusive", why=f"{says}: outside by {beyond:.2g} standard errors only")
+
+
+def _of_several_widths(test: BandTest, facts: dict, says: str, *, seen: bool) -> Check:
     """Judge a profile that is no single exponential by all its widths, see the module; NaN lies nowhere."""
-    low, high = wanted
-    found = [half.s.value / b.diameter if isinstance(half, ShearBand) else math.nan for b in bands for half in b.halves]
-    widths = np.array([width, *found])
+    says, (low, high) = f"{says}; {test.misfit}", test.range
+    found = [
+        half.s.value / b.diameter if isinstance(half, ShearBand) else math.nan for b in test.bands for half in b.halves
+    ]
+    widths = np.array([test.width.value, *found])
     if ((widths >= low) & (widths <= high)).all():
         return Check(**facts, verdict="agrees", why=f"{says}: all within")
-    if (widths < low).all() or (widths > high).all():
-        return Check(**facts, verdict="differs", why=f"{says}: all outside; rerun: {rerun}")
-    return Check(**facts, verdict="inconclusive", why=f"{says}: not all of these widths lie within {low:g} to {high:g}")
-
-
-def _mean_width(bands: Sequence[Band]) -> tuple[float, float]:
-    """Mean of s/d over packings and its standard error; of a single one the fit's."""
-    widths = np.array([b.width for b in bands])
-    if len(bands) == 1:
-        return float(widths[0]), bands[0].width_error
-    return float(widths.mean()), float(widths.std(ddof=1) / np.sqrt(len(bands)))
+    if seen and ((widths < low).all() or (widths > high).all()):
+        return Check(**facts, verdict="differs", why=f"{says}: all outside; rerun: {test.rerun}")
+    return Check(
+        **facts, verdict="inconclusive",
+        why=f"{says}: not all of these widths lie within {low:g} to {high:g}, nor are all seen outside",
+    )

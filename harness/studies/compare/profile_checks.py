@@ -1,8 +1,7 @@
-"""Do two codes have the same profiles? Every profile of every pair, at one declared rate of false alarms (level L3).
+"""Do two codes have the same profiles? The profiles of a group and pair are one test (level L3).
 
-In a whole comparison of codes that agree, the probability that any profile is said to differ in any cell is at most
-`false_alarms`: each of its N tests (pairs x profiles x cells) is made at 1/N of it (Bonferroni; O. J. Dunn, J. Am.
-Stat. Assoc. 56, 52 (1961)), with Student's t, see `harness.studies.compare.significance`.
+It shares its rate of false alarms with all others of a report (`harness.studies.compare.alarms`); of its N cells each
+is tested at 1/N of its level, with Student's t (`harness.studies.compare.significance`).
 
     differs       in a cell or more, whose errors are to be trusted, a difference is seen
     agrees        in none; of every profile of the group a difference of the declared margin (a part of the profile's
@@ -16,10 +15,12 @@ What all cells have in common, and single cells do not show, is tested by itself
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from harness.scene.judged import RING_FALSE_ALARMS, RING_MARGIN
+from harness.scene.judged import FALSE_ALARMS, RING_MARGIN
+from harness.studies.compare.alarms import judged_together, smallest_p
 from harness.studies.compare.pairs import Pair
 from harness.studies.compare.profile_quantities import QUANTITIES
 from harness.studies.compare.profile_tests import All, Both, Tested, compared_profiles
@@ -43,29 +44,68 @@ LISTED = 6
 """Cells that a verdict names; all are in profiles.csv."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class GroupTest:
+    """The profiles of a group of one pair, those that have a value in half of the frames somewhere.
+
+    absent: why there is none.
+    """
+
+    pair: Pair
+    quantity: str
+    tested: tuple[Tested, ...]
+    margin: float
+    rerun: str
+    absent: str = ""
+
+    @property
+    def cells(self) -> int:
+        """Number of cells, of all profiles."""
+        return sum(int(t.difference.used.sum()) for t in self.tested)
+
+    @property
+    def p(self) -> float | None:
+        """The p-value of "no cell differs", of those whose errors are to be trusted; None without a cell."""
+        apart = (t.difference.p_values()[t.difference.trusted] for t in self.tested)
+        return smallest_p(apart, self.cells) if self.tested else None
+
+    def check(self, level: float) -> Check:
+        """Return the verdict of a test at this level."""
+        facts = {"level": "L3", "quantity": self.quantity, "left": self.pair.left, "right": self.pair.right}
+        if not self.tested:
+            return not_checked(**facts, why=self.absent)
+        return _judged(self.tested, level / self.cells, self.margin, facts, self.rerun)
+
+
 def profile_checks(
-    pairs: Sequence[Pair], profiles: All, rerun: Rerun, margin: float = RING_MARGIN,
-    false_alarms: float = RING_FALSE_ALARMS, tested: Mapping[Pair, Sequence[Tested]] | None = None,
+    pairs: Sequence[Pair], profiles: All, rerun: Rerun, margin: float = RING_MARGIN, false_alarms: float = FALSE_ALARMS,
 ) -> list[Check]:
-    """One check a pair and group of profiles. tested: what `compared_profiles` makes, if it is made already."""
-    tested = compared_profiles(pairs, profiles) if tested is None else tested
-    number = sum(int(t.difference.used.sum()) for of in tested.values() for t in of)
-    level = false_alarms / max(number, 1)
+    """Judge profiles that share their rate of false alarms with nothing else."""
+    tests = profile_tests(pairs, profiles, rerun, margin, compared_profiles(pairs, profiles))
+    return judged_together(tests, false_alarms)
+
+
+def profile_tests(
+    pairs: Sequence[Pair], profiles: All, rerun: Rerun, margin: float, tested: Mapping[Pair, Sequence[Tested]]
+) -> list[GroupTest]:
+    """Return one test a pair and group of profiles. tested: what `compared_profiles` makes."""
+    return [test for pair in pairs for test in _of_pair(pair, profiles, tested[pair], margin, rerun)]
+
+
+def _of_pair(
+    pair: Pair, profiles: All, tested: Sequence[Tested], margin: float, rerun: Rerun
+) -> list[GroupTest]:
+    facts = {"pair": pair, "margin": margin, "rerun": rerun(pair.left, pair.right)}
+    both = pair.both(profiles)
+    if not both:
+        why = pair.missing(profiles) or "no packing that both completed"
+        return [GroupTest(quantity="profiles", tested=(), absent=why, **facts)]
     found = []
-    for pair in pairs:
-        facts = {"level": "L3", "left": pair.left, "right": pair.right}
-        both = pair.both(profiles)
-        if not both:
-            why = pair.missing(profiles) or "no packing that both completed"
-            found.append(not_checked(**facts, quantity="profiles", why=why))
-            continue
-        for group in GROUPS:
-            mine = [t for t in tested[pair] if t.quantity.group == group]
-            named = {**facts, "quantity": f"profile: {group}"}
-            if mine:
-                found.append(_judged(mine, level, margin, named, rerun(pair.left, pair.right)))
-            else:
-                found.append(not_checked(**named, why=_absent(group, both)))
+    for group in GROUPS:
+        mine = [t for t in tested if t.quantity.group == group]
+        kept = tuple(t for t in mine if t.difference.used.any())
+        why = "no cell has a value in half of the frames" if mine else _absent(group, both)
+        found.append(GroupTest(quantity=f"profile: {group}", tested=kept, absent="" if kept else why, **facts))
     return found
 
 
@@ -75,11 +115,11 @@ def _absent(group: str, both: Both) -> str:
     return next(run.absent[n] for ab in both.values() for run in ab for n in names if n in run.absent)
 
 
-def _judged(tested: Sequence[Tested], level: float, margin: float, facts: dict, rerun: str) -> Check:
-    """Judge the profiles of a group; sizes are those of the cell that lies furthest out, over the profile's size."""
-    kept = [t for t in tested if t.difference.used.any()]
-    if not kept:
-        return not_checked(**facts, why="no cell has a value in half of the frames")
+def _judged(kept: Sequence[Tested], level: float, margin: float, facts: dict, rerun: str) -> Check:
+    """Judge the profiles of a group, each cell at this level.
+
+    Sizes are those of the cell that lies furthest out, over the profile's size.
+    """
     worst = max(kept, key=lambda t: np.nanmax(_excess(t, level)))
     cell = int(np.nanargmax(_excess(worst, level)))
     d, limit = worst.difference, float(worst.difference.limit(level)[cell])
@@ -116,7 +156,7 @@ def _excess(t: Tested, level: float) -> np.ndarray:
 
 def _apart(t: Tested, level: float) -> list[str]:
     """Name the cells whose difference is beyond its limit, errors that are to be trusted."""
-    beyond = t.difference.used & ~t.difference.short & ~(_excess(t, level) <= 1.0)
+    beyond = t.difference.trusted & ~(_excess(t, level) <= 1.0)
     return [f"{t.quantity.name} {1e3 * depth:.3g} mm" for depth in t.depth[beyond]]
 
 

@@ -18,7 +18,7 @@ from postproc.propagation import linearised
 from postproc.results import Unavailable
 from postproc.snapshot import MissingColumn, Snapshot
 from postproc.trajectory import Trajectory
-from postproc.uncertainty import ENOUGH, ENOUGH_POOLED, SHORT, estimate
+from postproc.uncertainty import ENOUGH, ENOUGH_POOLED, LEAST_FREEDOM, SHORT, estimate
 
 FIELDS = {f.name: f for f in IN_CELLS}
 ROUNDING = 1e-9
@@ -29,9 +29,9 @@ ROUNDING = 1e-9
 class Profile:
     """A quantity in K cells: mean and standard error (K,), in `unit`.
 
-    samples: effective number (K,). frames: how many have a value (K,). short: (K,), too few autocorrelation times for
-    the error to be trusted; needed: as many frames as would do. series: what was averaged, (F, K), NaN in gaps; None
-    where only the averages are known.
+    samples: effective number (K,). freedom: of the error (K,), None for one less than there are samples. frames:
+    how many have a value (K,). short: (K,), too few autocorrelation times for the error to be trusted; needed: as
+    many frames as would do. series: what was averaged, (F, K), NaN in gaps; None where only the averages are known.
     """
 
     unit: str
@@ -42,6 +42,13 @@ class Profile:
     short: np.ndarray
     needed: float
     series: np.ndarray | None = None
+    freedom: np.ndarray | None = None
+
+    @property
+    def known(self) -> np.ndarray:
+        """Degrees of freedom of the error (K,), 0.5 at least; that of one sample where the number is unknown."""
+        free = self.samples - 1.0 if self.freedom is None else self.freedom
+        return np.maximum(np.nan_to_num(free, nan=0.0), LEAST_FREEDOM)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -138,7 +145,7 @@ def profile_of(series: np.ndarray, unit: str) -> Profile:
     tau = e.tau[np.isfinite(e.tau)]
     return Profile(
         unit=unit, mean=e.mean, error=e.error, samples=e.samples, frames=e.frames, short=e.doubt == SHORT,
-        needed=ENOUGH_POOLED * float(tau.min()) if tau.size else 0.0, series=series,
+        freedom=e.freedom, needed=ENOUGH_POOLED * float(tau.min()) if tau.size else 0.0, series=series,
     )
 
 
@@ -150,7 +157,7 @@ def number_of(series: np.ndarray, unit: str) -> Profile:
     e = estimate(series[:, None])
     return Profile(
         unit=unit, mean=e.mean, error=e.error, samples=e.samples, frames=e.frames, short=e.doubt == SHORT,
-        needed=float(np.nan_to_num(ENOUGH * e.tau[0])), series=series[:, None],
+        freedom=e.freedom, needed=float(np.nan_to_num(ENOUGH * e.tau[0])), series=series[:, None],
     )
 
 

@@ -74,6 +74,7 @@ def _drift(torque: np.ndarray) -> Profile:
     return Profile(
         unit="N m", mean=second.mean - first.mean, error=np.hypot(first.error, second.error),
         short=first.short | second.short, samples=np.fmin(first.samples, second.samples), frames=second.frames,
+        freedom=np.minimum(first.known, second.known),
         needed=2 * max(first.needed, second.needed),
     )
 
@@ -87,7 +88,8 @@ def _sum(walls: Profile, drag: np.ndarray | None) -> Profile:
     return Profile(
         unit="N m", mean=walls.mean + d.mean, error=np.hypot(walls.error, d.error),
         short=walls.short | (d.short & matters),
-        samples=np.fmin(walls.samples, d.samples), frames=walls.frames, needed=max(walls.needed, d.needed),
+        samples=np.fmin(walls.samples, d.samples), frames=walls.frames, freedom=np.minimum(walls.known, d.known),
+        needed=max(walls.needed, d.needed),
     )
 
 

@@ -4,23 +4,24 @@ Steady: the torque is the same in both halves of the time, and a drift of the de
 nothing shows that the state is steady, and averages are averages. Torque: what the inner ring gives arrives at the
 outer one but for the drag of the bottom, and 2 pi r^2 sigma_rphi is that torque through every circle in between.
 Momentum: what contacts, drag and the mean motion leave over in every ring averages to nothing. Each is judged by its
-own error bars, so a check whose error bars exceed `BLIND` of the torque, or of the pressure, says nothing and is
-inconclusive.
+own error bars, all its rings and packings together at a rate of false alarms that it shares with all other tests of the
+report (`harness.studies.compare.alarms`). A check whose error bars exceed `BLIND` of the torque, or of the pressure,
+says nothing and is inconclusive.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from harness.scene.judged import RING_MARGIN
+from harness.scene.judged import FALSE_ALARMS, RING_MARGIN
+from harness.studies.compare.alarms import judged_together, smallest_p
 from harness.studies.compare.ring_balances import RingBalances
 from harness.studies.compare.significance import Difference, of_mean
 from harness.studies.verdict import Check, Rerun, not_checked
-
-RUN_ALARM = 1e-3
-"""Probability of a false alarm of one of these checks, all its rings and packings together."""
 
 BLIND = 0.1
 """Of the torque or the pressure: error bars above a tenth of what they belong to show no balance."""
@@ -37,102 +38,161 @@ All = Mapping[str, Mapping[int, RingBalances]]
 """Balances by engine and packing."""
 
 
+TORQUE = "of the inner ring's torque"
+
 STEADY, LAWS = "steady: torque of second = first half", "balance of averages"
 """Quantity of the first check, and what the others hold averages against."""
 
 
-def ring_checks(balances: All, rerun: Rerun, margin: float = RING_MARGIN) -> list[Check]:
-    """Return torque and momentum checks of every engine. margin: a drift that would have to be seen."""
-    steady = [steady_check(e, list(of.values()), rerun(e), margin) for e, of in balances.items()]
+@dataclass(frozen=True, kw_only=True)
+class Deviation:
+    """What a run is off. difference: from 0; size: what it is measured by; needed: frames; where: a cell, in words."""
+
+    difference: Difference
+    size: float
+    needed: float
+    where: str = ""
+
+    @cached_property
+    def resolved(self) -> Difference:
+        """The difference with errors that rounding accounts for, at least."""
+        return self.difference.resolved(self.size)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunTest:
+    """One balance of an engine's runs. by: what sizes are parts of; r: of the cells, m; absent: why there is none."""
+
+    quantity: str
+    engine: str
+    against: str
+    rerun: str
+    deviations: tuple[Deviation, ...] = ()
+    by: str = ""
+    r: np.ndarray | None = None
+    blind: float = BLIND
+    absent: str = "no ring has discs on both sides"
+
+    @cached_property
+    def cells(self) -> int:
+        """Number of cells, of all runs."""
+        return sum(int(d.resolved.used.sum()) for d in self.deviations)
+
+    @property
+    def p(self) -> float | None:
+        """The p-value of "balanced in every cell", of those whose errors are to be trusted; None without a cell."""
+        off = (d.resolved.p_values()[d.resolved.trusted] for d in self.deviations)
+        return smallest_p(off, self.cells) if self.cells else None
+
+    def check(self, level: float) -> Check:
+        """Return the verdict of a test at this level."""
+        facts = {"level": "run", "quantity": self.quantity, "left": self.engine, "right": self.against}
+        if not self.cells:
+            return not_checked(**facts, why=self.absent)
+        return _judged(self, level / self.cells, facts)
+
+
+def ring_checks(
+    balances: All, rerun: Rerun, margin: float = RING_MARGIN, false_alarms: float = FALSE_ALARMS
+) -> list[Check]:
+    """Judge balances that share their rate of false alarms with nothing else."""
+    return judged_together(run_tests(balances, rerun, margin), false_alarms)
+
+
+def run_tests(balances: All, rerun: Rerun, margin: float) -> list[RunTest]:
+    """Return torque and momentum tests of every engine. margin: a drift that would have to be seen."""
+    runs = {e: list(of.values()) for e, of in balances.items()}
+    steady = [steady_test(e, of, rerun(e), margin) for e, of in runs.items()]
     return steady + [
-        check(engine, list(of.values()), rerun(engine)) for check in (
-            torque_check, through_check, radial_check, angular_check
-        ) for engine, of in balances.items()
+        test(e, of, rerun(e)) for test in (torque_test, through_test, radial_test, angular_test)
+        for e, of in runs.items()
     ]
 
 
-def steady_check(engine: str, runs: Sequence[RingBalances], rerun: str, margin: float = RING_MARGIN) -> Check:
+def steady_test(engine: str, runs: Sequence[RingBalances], rerun: str, margin: float) -> RunTest:
     """The torque is the same in both halves of the time that averages are taken over."""
-    tested = [(of_mean(b.drift), _torque(b), b.drift.needed, "") for b in runs]
-    facts = {"quantity": STEADY, "left": engine, "right": "first half"}
-    return _judged(tested, facts, "of the inner ring's torque", rerun, blind=margin)
+    off = tuple(Deviation(difference=of_mean(b.drift), size=_torque(b), needed=b.drift.needed) for b in runs)
+    return RunTest(
+        quantity=STEADY, engine=engine, against="first half", rerun=rerun, deviations=off, by=TORQUE, blind=margin
+    )
 
 
-def torque_check(engine: str, runs: Sequence[RingBalances], rerun: str) -> Check:
+def torque_test(engine: str, runs: Sequence[RingBalances], rerun: str) -> RunTest:
     """Torques on both rings and of the drag cancel."""
     drag = " + drag" if runs[0].drag is not None else ""
-    tested = [(of_mean(b.total), _torque(b), b.total.needed, "") for b in runs]
-    facts = {"quantity": f"torque on inner + outer ring{drag} = 0", "left": engine, "right": LAWS}
-    return _judged(tested, facts, "of the inner ring's torque", rerun)
+    off = tuple(Deviation(difference=of_mean(b.total), size=_torque(b), needed=b.total.needed) for b in runs)
+    name = f"torque on inner + outer ring{drag} = 0"
+    return RunTest(quantity=name, engine=engine, against=LAWS, rerun=rerun, deviations=off, by=TORQUE)
 
 
-def through_check(engine: str, runs: Sequence[RingBalances], rerun: str) -> Check:
+def through_test(engine: str, runs: Sequence[RingBalances], rerun: str) -> RunTest:
     """Torque through every circle is that of both walls."""
-    facts = {"quantity": THROUGH, "left": engine, "right": "torque on both rings"}
+    facts = {"quantity": THROUGH, "engine": engine, "against": "torque on both rings", "rerun": rerun}
     if runs[0].absent:
-        return _nothing(facts, runs[0].absent)
-    tested = [
-        (of_mean(p), _torque(b), p.needed, f"against the {name} ring at r = {{:.4g}} mm")
+        return RunTest(**facts, absent=runs[0].absent)
+    off = tuple(
+        Deviation(
+            difference=of_mean(p), size=_torque(b), needed=p.needed,
+            where=f"against the {name} ring at r = {{:.4g}} mm",
+        )
         for b in runs for name, p in (("inner", b.from_inner), ("outer", b.from_outer))
-    ]
-    return _judged(tested, facts, "of the inner ring's torque", rerun, runs[0].r)
+    )
+    return RunTest(**facts, deviations=off, by=TORQUE, r=runs[0].r)
 
 
-def radial_check(engine: str, runs: Sequence[RingBalances], rerun: str) -> Check:
+def radial_test(engine: str, runs: Sequence[RingBalances], rerun: str) -> RunTest:
     """Nothing is left over of radial momentum."""
     return _momentum(engine, runs, 0, rerun)
 
 
-def angular_check(engine: str, runs: Sequence[RingBalances], rerun: str) -> Check:
+def angular_test(engine: str, runs: Sequence[RingBalances], rerun: str) -> RunTest:
     """Nothing is left over of momentum along phi."""
     return _momentum(engine, runs, 1, rerun)
 
 
-def _momentum(engine: str, runs: Sequence[RingBalances], axis: int, rerun: str) -> Check:
-    facts = {"quantity": f"{EQUILIBRIUM}, {('r', 'phi')[axis]}", "left": engine, "right": LAWS}
+def _momentum(engine: str, runs: Sequence[RingBalances], axis: int, rerun: str) -> RunTest:
+    facts = {
+        "quantity": f"{EQUILIBRIUM}, {('r', 'phi')[axis]}", "engine": engine, "against": LAWS, "rerun": rerun,
+    }
     if runs[0].absent:
-        return _nothing(facts, runs[0].absent)
-    tested = [(of_mean(b.momentum[axis]), b.pressure, b.momentum[axis].needed, "at r = {:.4g} mm") for b in runs]
-    return _judged(tested, facts, "of the pressure", rerun, runs[0].r)
+        return RunTest(**facts, absent=runs[0].absent)
+    off = tuple(
+        Deviation(
+            difference=of_mean(b.momentum[axis]), size=b.pressure, needed=b.momentum[axis].needed,
+            where="at r = {:.4g} mm",
+        ) for b in runs
+    )
+    return RunTest(**facts, deviations=off, by="of the pressure", r=runs[0].r)
 
 
 def _torque(balances: RingBalances) -> float:
     return abs(float(balances.inner.mean[0]))
 
 
-def _nothing(facts: dict, why: str) -> Check:
-    return not_checked(level="run", **facts, why=why)
-
-
-Tested = tuple[Difference, float, float, str]
-"""Difference from 0, what it is measured by, frames needed, and where a cell is, in words."""
-
-
-def _judged(
-    tested: Sequence[Tested], facts: dict, by: str, rerun: str, r: np.ndarray | None = None, blind: float = BLIND
-) -> Check:
-    """Judge by the cell furthest out of its error bars, in units of a size."""
-    facts = {"level": "run", **facts}
-    tested = [(d.resolved(size), size, *rest) for d, size, *rest in tested]
-    number = sum(int(d.used.sum()) for d, *_ in tested)
-    if not number:
-        return not_checked(**facts, why="no ring has discs on both sides")
-    limits = [d.limit(RUN_ALARM / number) for d, *_ in tested]
-    excess = [np.where(d.used, d.sizes / limit, -np.inf) for (d, *_), limit in zip(tested, limits, strict=True)]
-    k = int(np.argmax([np.max(e) for e in excess]))
-    (difference, size, needed, where), cell = tested[k], int(np.argmax(excess[k]))
-    deviation = abs(float(difference.value[cell])) / size if size else np.inf
-    tolerance = float((limits[k] * difference.error)[cell]) / size if size else np.inf
+def _judged(test: RunTest, level: float, facts: dict) -> Check:
+    """Judge every cell at this level, by the one furthest out of its error bars, in units of a size."""
+    worst, cell = _furthest(test.deviations, level)
+    d, limit = worst.resolved, worst.resolved.limit(level)
+    deviation = abs(float(d.value[cell])) / worst.size if worst.size else np.inf
+    tolerance = float((limit * d.error)[cell]) / worst.size if worst.size else np.inf
     facts |= {"deviation": deviation, "tolerance": tolerance}
-    place = f"largest of {number}, {where.format(1e3 * r[cell])}; " if r is not None else ""
-    why = f"{place}parts {by}, tolerance from the error bars ({RUN_ALARM:g} false alarms)"
-    short, within = bool(difference.short[cell]), deviation <= tolerance
-    if short and (not within or LOWER_BOUND * tolerance > blind):
-        return Check(**facts, verdict="inconclusive", why=f"{why}; too short: needs {needed:.0f} frames or samples")
+    place = "" if test.r is None else f"largest of {test.cells}, {worst.where.format(1e3 * test.r[cell])}; "
+    why = f"{place}parts {test.by}, tolerance from the error bars, at the report's rate of false alarms"
+    short, within = bool(d.short[cell]), deviation <= tolerance
+    if short and (not within or LOWER_BOUND * tolerance > test.blind):
+        needed = f"needs {worst.needed:.0f} frames or samples"
+        return Check(**facts, verdict="inconclusive", why=f"{why}; too short: {needed}")
     if not within:
-        return Check(**facts, verdict="differs", why=f"{why}; rerun: {rerun}")
-    if tolerance > blind:
-        return Check(**facts, verdict="inconclusive", why=f"{why}: above {blind:g}, which shows nothing")
+        return Check(**facts, verdict="differs", why=f"{why}; rerun: {test.rerun}")
+    if tolerance > test.blind:
+        return Check(**facts, verdict="inconclusive", why=f"{why}: above {test.blind:g}, which shows nothing")
     return Check(**facts, verdict="agrees", why=why)
 
 
+def _furthest(deviations: Sequence[Deviation], level: float) -> tuple[Deviation, int]:
+    """Return the run and cell furthest out; of those whose errors are to be trusted, if one of them is beyond."""
+    sizes = [np.where(d.resolved.used, d.resolved.sizes / d.resolved.limit(level), -np.inf) for d in deviations]
+    trusted = [np.where(d.resolved.short, -np.inf, s) for d, s in zip(deviations, sizes, strict=True)]
+    chosen = trusted if max(s.max() for s in trusted) > 1.0 else sizes
+    k = int(np.argmax([s.max() for s in chosen]))
+    return deviations[k], int(np.argmax(chosen[k]))

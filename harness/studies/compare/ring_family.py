@@ -1,14 +1,14 @@
-"""The numbers of a ring between codes, and what their profiles differ by as a whole: one family of tests (level L3).
+"""The numbers of a ring between codes, and what their profiles differ by as a whole (level L3).
 
 Numbers are both torques, the pressure, v_0 and s/d of the band and the volume fraction in it. Of every profile the mean
 over its cells is compared, over the profile's size: a common offset, which no test of single cells sees when it is
 smaller than their errors. Its own error is that of the series of this mean.
 
-All are judged as quantities over replicates are (`harness.studies.statistics.family`): a difference is seen at
-`false_alarms` for the whole family (Holm), and codes agree in what is shown to differ by less than the margin, at the
-same level for all. Over packings errors are those of the differences packing by packing. With a single packing they are
-those of time averages, pooled over all runs, that know of autocorrelation; from fewer autocorrelation times than they
-need nothing is concluded.
+All are judged as quantities over replicates are (`harness.studies.statistics.family`): codes agree in what is shown to
+differ by less than the margin, at the declared rate for all numbers; a difference is seen at that rate for all tests
+of the report (`harness.studies.compare.alarms`). Over packings errors are those of the differences packing by packing.
+With a single packing they are those of time averages, pooled over all runs, that know of autocorrelation; from fewer
+autocorrelation times than they need nothing is concluded.
 """
 
 from __future__ import annotations
@@ -17,7 +17,6 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from harness.scene.judged import RING_FALSE_ALARMS, RING_MARGIN
 from harness.studies.compare.band import Band
 from harness.studies.compare.pairs import Pair
 from harness.studies.compare.profile_tests import Overall
@@ -27,7 +26,7 @@ from harness.studies.compare.ring_balances import RingBalances
 from harness.studies.compare.ring_numbers import IN_BAND, numbers_in_time
 from harness.studies.compare.significance import difference_of, frames_needed
 from harness.studies.statistics.difference import Difference, p_value
-from harness.studies.statistics.family import ROUND_OFF, SAME, Judged, Measured, Terms, Tested, judge_tests
+from harness.studies.statistics.family import ROUND_OFF, SAME, Measured, Tested
 
 LARGE = 1e6
 """Degrees of freedom of what is known exactly."""
@@ -39,22 +38,19 @@ Numbers = Mapping[str, Mapping[int, Mapping[str, Profile]]]
 """Numbers by engine, packing and name."""
 
 
-def judge_numbers(
+def number_tests(
     pairs: Sequence[Pair], profiles: Mapping[str, Mapping[int, RingProfiles]],
     balances: Mapping[str, Mapping[int, RingBalances]], bands: Mapping[str, Mapping[int, Band]],
-    tested: Mapping[Pair, Sequence[ProfileTested]], margin: float = RING_MARGIN,
-    false_alarms: float = RING_FALSE_ALARMS,
-) -> list[Judged]:
-    """Judge numbers and offsets of all pairs as one family. tested: what `compared_profiles` makes."""
+    tested: Mapping[Pair, Sequence[ProfileTested]],
+) -> list[Tested]:
+    """Return a test a number or offset and pair. tested: what `compared_profiles` makes."""
     numbers = {
         e: {k: numbers_in_time(p, balances[e][k], bands[e][k]) for k, p in of.items()} for e, of in profiles.items()
     }
-    several = any(len(of) > 1 for of in profiles.values())
-    found = [
+    return [
         t for pair in pairs
         for t in (*_numbers(pair, numbers, profiles, tested[pair]), *_offsets(pair, tested[pair]))
     ]
-    return judge_tests(found, Terms(false_alarms=false_alarms, margin=margin, paired=several))
 
 
 def _numbers(

@@ -49,6 +49,18 @@ class Difference:
         freedom = np.maximum(np.nan_to_num(self.freedom, nan=1.0), 1e-3)
         return np.where(np.isnan(self.freedom), np.nan, t.isf(level / 2.0, freedom))
 
+    def p_values(self) -> np.ndarray:
+        """Return the two-sided p-value of "no difference", (K,): 2 P(t_nu > |d|/error), NaN where nu is unknown."""
+        from scipy.stats import t
+
+        freedom = np.maximum(np.nan_to_num(self.freedom, nan=1.0), 1e-3)
+        return np.where(np.isnan(self.freedom), np.nan, 2.0 * t.sf(self.sizes, freedom))
+
+    @property
+    def trusted(self) -> np.ndarray:
+        """(K,), cells that are used and whose errors are to be trusted: only they can differ."""
+        return self.used & ~self.short
+
     def seen_from(self, level: float) -> np.ndarray:
         """Return the true difference that a test at this level sees with probability POWER, (K,).
 
@@ -95,7 +107,7 @@ def of_times(a: Profile, b: Profile, runs: Sequence[Profile]) -> Difference:
     """Difference of two runs' time averages, a - b, with the errors of all runs, these two among them."""
     known = np.array([_used(p) for p in runs])
     variance = np.where(known, [p.error**2 for p in runs], 0.0)
-    freedom = np.maximum(np.nan_to_num([p.samples for p in runs], nan=1.0) - 1.0, 0.5)
+    freedom = np.array([p.known for p in runs])
     total, shares = variance.sum(axis=0), (variance**2 / freedom).sum(axis=0)
     constant = total == 0
     return Difference(
@@ -126,7 +138,7 @@ def of_mean(profile: Profile, expected: np.ndarray | float = 0.0) -> Difference:
     constant = profile.error == 0
     return Difference(
         value=profile.mean - expected, error=profile.error, short=profile.short, used=_used(profile),
-        freedom=np.where(constant, np.inf, np.maximum(profile.samples - 1.0, 0.5)),
+        freedom=np.where(constant, np.inf, profile.known),
     )
 
 

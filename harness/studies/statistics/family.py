@@ -42,7 +42,7 @@ from harness.studies.statistics.difference import (
     p_value,
     paired_difference,
 )
-from harness.studies.statistics.multiple import holm
+from harness.studies.statistics.multiple import Corrected, correct_together
 from harness.studies.statistics.power import (
     MOST,
     POWER,
@@ -142,6 +142,15 @@ class Tested:
     doubt: str = ""
 
     @property
+    def counted(self) -> float:
+        """The p-value that counts: 1 where the error is not to be trusted, as such a test sees nothing."""
+        return 1.0 if self.doubt else self.p
+
+    def equivalence(self, terms: Terms) -> float:
+        """Return the p-value of "the margin or more" that counts in the same way."""
+        return 1.0 if self.doubt else equivalence_p(self.difference, margin_of(self, terms))
+
+    @property
     def design(self) -> str:
         """How the two sides were compared, in a word."""
         if self.difference.count < FEWEST:
@@ -166,7 +175,7 @@ class Judged:
     """A verdict and all that it rests on.
 
     adjusted, equivalence: Holm's p-values, of "no difference" and of "the margin or more"; level, equivalence_level: of
-    this check within its family.
+    this check within its family. among: number of tests that share the rate of false alarms.
     """
 
     tested: Tested
@@ -174,6 +183,7 @@ class Judged:
     level: float
     equivalence: float
     equivalence_level: float
+    among: int
     terms: Terms
 
     @property
@@ -260,15 +270,20 @@ def judge_family(quantities: Sequence[Measured], pairs: Sequence[Pair], terms: T
     )
 
 
-def judge_tests(tested: Sequence[Tested], terms: Terms) -> list[Judged]:
-    """Judge tests as one family: both kinds of p-values are adjusted for all."""
-    apart = holm([t.p for t in tested]).tolist()
-    alike = holm([equivalence_p(t.difference, margin_of(t, terms)) for t in tested]).tolist()
-    level, equivalence_level = (terms.false_alarms / max(1, sum(p > terms.false_alarms for p in of))
-                                for of in (apart, alike))
+def judge_tests(tested: Sequence[Tested], terms: Terms, apart: Corrected | None = None) -> list[Judged]:
+    """Judge tests as one family: both kinds of p-values are adjusted for all.
+
+    apart: the correction of `counted` that these tests share with others; None if there are no others.
+    """
+    if apart is None:
+        (apart,) = correct_together(terms.false_alarms, [t.counted for t in tested])
+    (alike,) = correct_together(terms.false_alarms, [t.equivalence(terms) for t in tested])
     return [
-        Judged(tested=t, adjusted=p, level=level, equivalence=q, equivalence_level=equivalence_level, terms=terms)
-        for t, p, q in zip(tested, apart, alike, strict=True)
+        Judged(
+            tested=t, adjusted=float(p), level=apart.level, equivalence=float(q), equivalence_level=alike.level,
+            among=apart.among, terms=terms,
+        )
+        for t, p, q in zip(tested, apart.adjusted, alike.adjusted, strict=True)
     ]
 
 
@@ -310,10 +325,10 @@ def family_checks(judged: Sequence[Judged], rerun: Rerun) -> list[Check]:
     ]
 
 
-def _why(j: Judged, tests: int, rerun: Rerun) -> str:
+def _why(j: Judged, equivalences: int, rerun: Rerun) -> str:
     if j.tested.doubt:
         return f"{_sides(j)}; nothing is concluded, as errors come out too small: {j.tested.doubt}"
-    parts = [_sides(j), _apart(j, tests)]
+    parts = [_sides(j), _apart(j, equivalences)]
     if j.verdict == "inconclusive":
         parts.append(_more(j))
     if j.verdict == "differs":
@@ -330,12 +345,12 @@ def _sides(j: Judged) -> str:
     return f"{sides}, {how}: apart by {percent(j.relative)} +- {percent(j.error)}"
 
 
-def _apart(j: Judged, tests: int) -> str:
-    among, within = f"p = {j.adjusted:.2g} among {tests} checks", f"within {percent(j.terms.margin)}"
+def _apart(j: Judged, equivalences: int) -> str:
+    among, within = f"p = {j.adjusted:.2g} among {j.among} checks", f"within {percent(j.terms.margin)}"
     if j.seen:
         return f"seen ({among}), {'but shown to be' if j.small else 'not shown to be'} {within}"
     if j.small:
-        return f"shown to be {within} (p = {j.equivalence:.2g} among {tests})"
+        return f"shown to be {within} (p = {j.equivalence:.2g} among {equivalences})"
     return f"no difference seen ({among}), which is no evidence of none: not shown to be {within}"
 
 

@@ -7,11 +7,14 @@ of a report stays below it, however the checks depend on each other::
     p~_(i) = max_{j <= i} min(1, (m - j + 1) p_(j)),   p_(1) <= ... <= p_(m)
 
 S. Holm, "A simple sequentially rejective multiple test procedure", Scand. J. Statist. 6, 65 (1979).
+
+Checks of different kinds share the rate if all of them hand in their p-values together (`correct_together`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -30,3 +33,30 @@ def holm(p_values: Sequence[float]) -> np.ndarray:
     adjusted = np.empty_like(p)
     adjusted[order] = stepped
     return adjusted
+
+
+@dataclass(frozen=True, kw_only=True)
+class Corrected:
+    """What tests of one kind are told by a correction that they share with all others.
+
+    adjusted: (k,) p-values. level: that each test is made at: p <= level just where its adjusted one is <= the rate.
+    among: number of all tests.
+    """
+
+    adjusted: np.ndarray
+    level: float
+    among: int
+
+
+def correct_together(rate: float, *kinds: Sequence[float]) -> list[Corrected]:
+    """Correct the p-values of all kinds of tests of a report at one rate of false alarms; return each kind's part.
+
+    The level is rate/(m - R) if R of m tests see a difference: R is the number at which Holm's procedure stops.
+
+    >>> [c.level for c in correct_together(0.06, [0.001, 0.5], [0.2])]
+    [0.03, 0.03]
+    """
+    every = holm([p for kind in kinds for p in kind])
+    level = rate / max(1, int((every > rate).sum()))
+    parts = np.split(every, np.cumsum([len(kind) for kind in kinds])[:-1])
+    return [Corrected(adjusted=part, level=level, among=len(every)) for part in parts]

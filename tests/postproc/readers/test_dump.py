@@ -163,3 +163,27 @@ def test_particles_of_a_dump_must_all_be_there(tmp_path):
     assert list(particles) == ["id", "x", "y", "vx", "vy", "wz", "radius", "mass", "inertia"]
     with pytest.raises(ReadError, match="3 particles, expected ids 1 to 4"):
         particle_rows(tmp_path, atoms, 2, np.ones(4), "u")
+
+
+@pytest.mark.parametrize("form", ["{:.17g}", "{:.17e}", "{:.6g}", "{:.25g}"])
+def test_every_number_has_the_bits_that_the_c_library_reads(tmp_path, form):
+    """Any double, and those that JSON, in which most are read, does not have or has without a sign."""
+    bits = np.random.default_rng(1).integers(0, 2**64, size=30_000, dtype=np.uint64).view(np.float64)
+    values = np.concatenate([bits[np.isfinite(bits)], [0.0, -0.0, 5e-324, -5e-324, 1e22, 9007199254740993.0, -12.0]])
+    words = [form.format(v) for v in values]
+    rows = "".join(f"-0 {word} -0{end}" for word, end in zip(words, [" \n", "\n"] * len(words), strict=False))
+    _same_bits(tmp_path, rows, words, [-0.0] * len(words))
+    _same_bits(tmp_path, rows.replace(" \n", "\n"), words, [-0.0] * len(words))
+
+
+def test_spellings_that_json_does_not_have_are_read(tmp_path):
+    words = ["+1", "1.", ".5", "007", "1e5", "1E-5", "-0.", "5e-0"]
+    _same_bits(tmp_path, "".join(f"1 {word}  2\n" for word in words), words, [1.0] * len(words))
+
+
+def _same_bits(tmp_path, rows, words, first):
+    count = rows.count("\n")
+    head = f"ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n{count}\n{BOX}ITEM: ATOMS id x y\n"
+    ((_, columns),) = read_dump(_write(tmp_path / "d", head + rows), kind="ATOMS")
+    assert columns["x"].tobytes() == np.array([float(w) for w in words]).tobytes()
+    assert columns["id"].tobytes() == np.array(first).tobytes()

@@ -13,9 +13,9 @@ from harness.studies.compare.profile_quantities import QUANTITIES
 from harness.studies.compare.profile_tests import compared_profiles
 from harness.studies.compare.profiles import RingProfiles, mean_over, number_of, profile_of
 from harness.studies.compare.ring_balances import RingBalances
-from harness.studies.compare.ring_family import judge_numbers
+from harness.studies.compare.ring_family import number_tests
 from harness.studies.compare.significance import Difference
-from harness.studies.statistics.family import family_checks
+from harness.studies.statistics.family import Terms, family_checks, judge_tests
 from harness.studies.verdict import Rerun
 
 PAIR = Pair(left="a", right="b", kind="codes")
@@ -55,7 +55,11 @@ def judged(a, b, balances, margin=0.25):
     everything = {e: dict(enumerate(of)) for e, of in zip("ab", balances, strict=True)}
     bands = {e: {k: band() for k in of} for e, of in profiles.items()}
     tested = compared_profiles([PAIR], profiles)
-    found = judge_numbers([PAIR], profiles, everything, bands, tested, margin)
+    several = len(a) > 1
+    found = judge_tests(
+        number_tests([PAIR], profiles, everything, bands, tested),
+        Terms(false_alarms=0.05, margin=margin, paired=several),
+    )
     return {c.quantity: c for c in family_checks(found, RERUN)}, profiles
 
 
@@ -75,7 +79,8 @@ def test_an_offset_of_all_cells_is_found_where_no_cell_differs():
     """5 % in twelve cells whose own errors are 3 % each: seen in their mean, in none of them."""
     a, b = spin_of(3), spin_of(4, offset=0.05)
     found, profiles = judged([a], [b], EQUAL, margin=0.05)
-    cells = next(c for c in profile_checks([PAIR], profiles, RERUN) if c.quantity == "profile: spin")
+    checks = profile_checks([PAIR], profiles, RERUN, false_alarms=0.01)
+    cells = next(c for c in checks if c.quantity == "profile: spin")
     assert cells.verdict != "differs"
     assert found["mean over cells of spin"].verdict == "differs"
     assert found["mean over cells of spin"].deviation == pytest.approx(0.05, rel=0.4)

@@ -8,6 +8,7 @@ import pytest
 
 from harness.studies.compare.pairs import Pair
 from harness.studies.statistics.family import ROUND_OFF, Measured, Terms, family_checks, judge_family, judge_tests
+from harness.studies.statistics.multiple import correct_together
 from harness.studies.verdict import Rerun
 
 TERMS = Terms(false_alarms=0.05, margin=0.05, paired=True)
@@ -153,6 +154,29 @@ def test_errors_that_are_not_to_be_trusted_conclude_nothing(packings):
         (check,) = family_checks([judged], RERUN)
         assert "too short" in check.why
         assert judged.settle is None or "would settle" not in check.why
+
+
+def test_what_is_not_to_be_trusted_takes_nothing_from_the_others(packings):
+    """A p-value from an error that is too small sees nothing, and leaves the others no more than they had."""
+    base, noise = packings
+    (far,) = judge_family([measured(base, base + 40.0 + noise)], [SAME], TERMS)
+    (near,) = judge_family([measured(base, base + noise)], [SAME], TERMS)
+    doubtful, sound = judge_tests([replace(far.tested, doubt="too short"), near.tested], TERMS)
+    assert far.adjusted < 1e-6
+    assert doubtful.adjusted == doubtful.equivalence == 1.0
+    assert sound.level == pytest.approx(TERMS.false_alarms / 2)
+
+
+def test_tests_of_other_kinds_share_the_rate(packings):
+    base, noise = packings
+    (alone,) = judge_family([measured(base, base + noise)], [SAME], TERMS)
+    shared, _ = correct_together(TERMS.false_alarms, [alone.tested.counted], [1.0] * 9)
+    (among,) = judge_tests([alone.tested], TERMS, shared)
+    assert among.level == pytest.approx(alone.level / 10)
+    assert among.adjusted == pytest.approx(min(1.0, 10 * alone.adjusted))
+    assert (alone.among, among.among) == (1, 10)
+    assert among.equivalence == alone.equivalence
+    assert among.chance > alone.chance
 
 
 def test_agreement_too_is_as_sure_for_all_checks_as_declared():

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from harness.studies.statistics.multiple import holm
+from harness.studies.statistics.multiple import correct_together, holm
 
 
 def test_by_hand():
@@ -39,3 +39,25 @@ def test_one_false_alarm_in_a_family_is_as_rare_as_declared(common):
     rate = np.mean([(holm(row) < 0.05).any() for row in 2 * norm.sf(np.abs(z))])
     exact, error = 1 - (1 - 0.05 / 20) ** 20, np.sqrt(0.05 * 0.95 / trials)
     assert abs(rate - exact) < 3.5 * error if common == 0 else rate < exact
+
+
+KINDS = st.lists(st.lists(st.sampled_from([0.0, 1e-6, 1e-4, 1e-3, 0.004, 0.01, 0.02, 0.05, 0.3, 1.0]), max_size=8),
+                 min_size=1, max_size=4)
+
+
+@given(KINDS, st.sampled_from([0.01, 0.05, 0.3]))
+def test_kinds_that_are_corrected_together_are_one_family_at_one_level(kinds, rate):
+    """The level is that of Holm's procedure: a test is seen by its own p just where it is by its adjusted one."""
+    every = holm([p for kind in kinds for p in kind])
+    found = correct_together(rate, *kinds)
+    assert np.concatenate([c.adjusted for c in found]).tolist() == every.tolist()
+    for kind, c in zip(kinds, found, strict=True):
+        assert c.among == len(every)
+        assert [p <= c.level * (1 + 1e-12) for p in kind] == (c.adjusted <= rate * (1 + 1e-12)).tolist()
+
+
+def test_who_sees_something_leaves_more_to_the_others():
+    few, many = correct_together(0.05, [0.5, 0.6])[0], correct_together(0.05, [1e-9, 1e-9], [0.5, 0.6])[1]
+    assert few.level == many.level == pytest.approx(0.025)
+    (none,) = correct_together(0.05, [])
+    assert (none.level, none.among) == (0.05, 0)
