@@ -90,29 +90,33 @@ def estimate(series: np.ndarray, *, pooled: bool = False) -> Estimate:
     deviation = np.where(known, flat - mean, 0.0)
     covariance = _autocovariance(deviation, known)
     few, constant = frames < FEWEST, _constant(flat, known)
-    still = few | constant
-    tau = np.full(frames.shape, np.nan)
-    tau[~still] = integrated_time(covariance[:, ~still])
-    enough, counted = ENOUGH * tau, tau
-    if pooled and (~still).any():
-        typical = float(np.mean(tau[~still]))
-        enough, counted = np.full(tau.shape, ENOUGH_POOLED * typical), np.maximum(tau, typical)
-    tau = counted
-    with np.errstate(invalid="ignore"):
-        # the sample variance misses the variance of the mean itself: sigma^2 = C(0)/(1 - 2 tau/F)
-        spread = 2.0 * tau / frames
-        error = np.sqrt(covariance[0] * spread / np.maximum(1.0 - spread, 1.0 / np.maximum(frames, 1)))
+    tau, enough = _times(covariance, few | constant, pooled=pooled)
+    error = _standard_error(covariance[0], tau, frames)
     error[constant & ~few] = 0.0
-    doubt = np.select(
-        [few, constant, frames < enough], [FEW, CONSTANT, SHORT], FINE
-    )
     samples = frames / (2.0 * tau)
-    freedom = np.maximum(samples - 1.0 if pooled else frames / (2.0 * WINDOW * tau + 1.0), LEAST_FREEDOM)
     found = {
-        "mean": mean, "error": error, "tau": tau, "samples": samples, "freedom": freedom, "frames": frames,
-        "doubt": doubt,
+        "mean": mean, "error": error, "tau": tau, "samples": samples, "frames": frames,
+        "freedom": np.maximum(samples - 1.0 if pooled else frames / (2.0 * WINDOW * tau + 1.0), LEAST_FREEDOM),
+        "doubt": np.select([few, constant, frames < enough], [FEW, CONSTANT, SHORT], FINE),
     }
     return Estimate(**{name: values.reshape(shape) for name, values in found.items()})
+
+
+def _times(covariance: np.ndarray, still: np.ndarray, *, pooled: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Return tau of every series, NaN where it is `still`, and the frames from which it is believed."""
+    tau = np.full(still.shape, np.nan)
+    tau[~still] = integrated_time(covariance[:, ~still])
+    if not pooled or still.all():
+        return tau, ENOUGH * tau
+    typical = float(np.mean(tau[~still]))
+    return np.maximum(tau, typical), np.full(tau.shape, ENOUGH_POOLED * typical)
+
+
+def _standard_error(variance: np.ndarray, tau: np.ndarray, frames: np.ndarray) -> np.ndarray:
+    """Return that of the mean: the sample variance misses the variance of the mean, sigma^2 = C(0)/(1 - 2 tau/F)."""
+    with np.errstate(invalid="ignore"):
+        spread = 2.0 * tau / frames
+        return np.sqrt(variance * spread / np.maximum(1.0 - spread, 1.0 / np.maximum(frames, 1)))
 
 
 def integrated_time(covariance: np.ndarray, window: float = WINDOW) -> np.ndarray:
