@@ -82,7 +82,7 @@ def run(ask: Ask) -> Result:
         rows=(*rows, *again), rates=tuple(rates), rate_words=rate_words(rates, what="plateau stress"),
         runs=study_runs(made),
         checks=tuple(box_checks(made, of_main, {PLATEAU: UNITS[PLATEAU]}, rerun_of("cohesion", ask))),
-        pictures=pictures(made, lines, remembered, main), words=_words(rows, again, drives, prepared),
+        pictures=pictures(made, lines, remembered, prepared, main), words=_words(rows, again, drives, prepared),
         unsupported=unsupported(made),
         tables={
             "Other readings: the plateau or the top of the smoothed curve": reading_rows(made, main),

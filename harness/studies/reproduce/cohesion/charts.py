@@ -18,22 +18,27 @@ from harness.studies.reproduce.cohesion.declared import (
     talk_plateau,
 )
 from harness.studies.reproduce.cohesion.lines import pull
+from harness.studies.reproduce.cohesion.preparations import PREPARED_AT
 from harness.studies.reproduce.protocol import Chart, Line, Measured, Picture
 from harness.studies.reproduce.runs import Made, by_engine, engines_of
 from reference.values import published_values
 
 
-def pictures(made: Sequence[Made], lines: Mapping, remembered: Mapping, main: float) -> tuple[Picture, ...]:
-    """Return all of them. lines, remembered: of both preparations; main: duration of the main tests, s."""
+def pictures(
+    made: Sequence[Made], lines: Mapping, remembered: Mapping, prepared: Sequence[Mapping], main: float
+) -> tuple[Picture, ...]:
+    """Return all of them. lines, remembered: of both preparations; prepared: rows of another one; main: duration, s."""
     engines = engines_of(made)
     return (
-        _cohesion_chart(lines, remembered, engines),
+        _cohesion_chart(lines, remembered, prepared, engines),
         *(_plateau_chart(made, engines, p, main) for p in PRESSURES),
         *(_curve_chart(made, engines[0], p, main) for p in PRESSURES if engines),
     )
 
 
-def _cohesion_chart(lines: Mapping, remembered: Mapping, engines: Sequence[str]) -> Chart:
+def _cohesion_chart(
+    lines: Mapping, remembered: Mapping, prepared: Sequence[Mapping], engines: Sequence[str]
+) -> Chart:
     x = np.array([pull(r) for r in RATIOS])
     ours = [
         _points(f"{e}, {what}", x, [of[e, r]["cohesion"] for r in RATIOS])
@@ -45,9 +50,21 @@ def _cohesion_chart(lines: Mapping, remembered: Mapping, engines: Sequence[str])
         name="cohesion", x="(k_2 - k_1)/(1 + k_2/k_c) (N/m)", y="macroscopic cohesion c (N/m)",
         caption="Cohesion from the Mohr-Coulomb line against the largest pull of a contact over its overlap; bars: "
         "standard error over packings. Line: the talk's formula.",
-        lines=(*ours, Line(name="talk", x=x, y=talk, look="talk"),
+        lines=(*ours, *_prepared_lines(prepared), Line(name="talk", x=x, y=talk, look="talk"),
                Line(name="talk: 1.8e-3 x", x=x, y=formula, look="fit")),
     )
+
+
+def _prepared_lines(prepared: Sequence[Mapping]) -> list[Line]:
+    """Return c of another preparation, engine by engine, read at the top of the curve; of one packing."""
+    found = []
+    for engine in dict.fromkeys(row["engine"] for row in prepared):
+        rows = [r for r in prepared if (r["engine"], r["read"]) == (engine, "top") and r["c (N/m)"] is not None]
+        found.append(Line(
+            name=f"{engine}, prepared at {PREPARED_AT:g} N/m, top of the curve", look="points",
+            x=np.array([pull(r["k_c/k_2"]) for r in rows]), y=np.array([r["c (N/m)"] for r in rows]),
+        ))
+    return found
 
 
 def _plateau_chart(made: Sequence[Made], engines: Sequence[str], pressure: float, main: float) -> Chart:
