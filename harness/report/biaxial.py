@@ -82,7 +82,8 @@ PHASE_NOTE = (
     "of sigma_zz: standard deviation, lowest and highest value about the mean over the strain of that part."
 )
 DEVIATION_NOTE = (
-    "Relative difference of the top-wall force up to the given axial strain (largest so far). kernel:lammps and "
+    "Relative difference of the top-wall force up to the given axial strain (largest so far), of the first packing; "
+    "checks take the worst of all. kernel:lammps and "
     "kernel:liggghts are the same NumPy kernel in the conventions of each code."
 )
 

@@ -21,7 +21,7 @@ def add(verbs) -> None:
     verb.add_argument(
         "--ladder", type=as_numbers, metavar="A,B,...",
         help="values of one knob: a part of a contact time, times the scene's stiffness or rate, particles, strain or "
-        "cells; the scene's own is added; default: some around it",
+        "cells; the scene's own is added but for free scenes; default: some around it",
     )
     verb.add_argument(
         "--quantity", metavar="Q",

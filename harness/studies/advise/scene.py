@@ -13,10 +13,13 @@ from harness.scene.checks import first_fault
 from harness.scene.grains import grains_of
 from harness.scene.load import load_scene
 from harness.scene.model import Free, Scene
-from harness.scene.numerics import numerics_faults
+from harness.scene.numerics import plan_steps
 from harness.scene.resolve import known_system, resolve
 from harness.studies.accuracy.turn import turned
 from harness.studies.effects.variants import without
+
+FINER = 0.05
+"""How much finer than advised a step may be, so that samples and frames fall on steps."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,9 +65,10 @@ def why_not_run(scene: Scene, file: Path, settings: Settings) -> str:
 
 
 def _fitting(scene: Scene, file: Path) -> Scene:
-    """Look half as often until the few steps of a coarse setting are a multiple of samples and frames."""
+    """Look half as often until the step is the advised one: it is rounded to fit samples and frames."""
     grains = _grains(scene, file)
-    while any(f.place == "outputs" for f in numerics_faults(scene, grains)):
+    needed = plan_steps(replace(scene, outputs=replace(scene.outputs, samples=1, frames=1)), grains).steps
+    while plan_steps(scene, grains).steps > (1.0 + FINER) * needed:
         outputs = scene.outputs
         fewer = {name: max(1, getattr(outputs, name) // 2) for name in ("samples", "frames")}
         if fewer == {name: getattr(outputs, name) for name in fewer}:

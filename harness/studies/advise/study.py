@@ -43,10 +43,12 @@ class Advice:
 
     @property
     def packings(self) -> int | None:
-        """Packings that the user makes; of free scenes one run."""
+        """Packings that the user makes; of free scenes one run, of all phases."""
         if self.choice is not None:
             return self.choice.packings
-        return None if self.best is None else self.evidence.packings
+        if self.best is None:
+            return None
+        return 1 if self.evidence.free else self.evidence.packings
 
     @property
     def below_floor(self) -> bool:

@@ -14,7 +14,10 @@ from harness.errors import InputError
 from harness.report.advise_expected import verification_announcement
 from harness.report.advise_tables import sum_rows
 from harness.report.advise_words import limits, paragraph
+from harness.scene.grains import grains_of
 from harness.scene.load import load_scene
+from harness.scene.numerics import plan_steps, requested_step
+from harness.scene.resolve import resolve
 from harness.scene.write import write_scene
 from harness.studies.accuracy import accuracy, cost, steps
 from harness.studies.accuracy.phases import delays
@@ -212,6 +215,25 @@ def test_a_ladder_that_promises_too_much_is_found_out(tmp_path, monkeypatch):
     assert (found.verdict, found.exit_status) == ("differs", 1)
     assert found.difference.value > 0.02
     assert found.expected == pytest.approx(0.004)
+
+
+@pytest.mark.parametrize("tolerance", [0.045, 0.025, 0.012, 0.003])
+def test_the_written_scene_makes_the_advised_step(tmp_path, tolerance):
+    """Steps are rounded up to fit samples and frames: by no more than a twentieth, else it looks less often."""
+    advice = advised(study(tmp_path, EVEN), tolerance)
+    scene = advice.scene
+    grains = grains_of(scene, resolve(scene, FILE).particles)
+    plan = plan_steps(scene, grains)
+    assert plan.steps <= 1.05 * math.ceil(scene.duration / requested_step(scene, grains))
+    assert plan.steps % scene.outputs.samples == plan.steps % scene.outputs.frames == 0
+
+
+def test_without_a_choice_the_time_is_that_of_all_phases_once(tmp_path):
+    advice = advised(study(tmp_path, EVEN), 1e-9)
+    assert advice.choice is None
+    assert advice.packings == 1
+    (row,) = sum_rows(advice)[:1]
+    assert f"{1e3 * row['CPU of all phases (s)']:.2g} ms of CPU time for all 4 phases together" in paragraph(advice)
 
 
 @pytest.mark.long
