@@ -208,7 +208,7 @@ MUTANTS = (
     Mutant("opened contacts remember their plasticity", "hysteretic", (("load", FORM),),
            ((neighbours.CandidateList, "remember", opened_contacts_remember),), partner="plane", dimension=2),
     Mutant("friction of the elastic force alone", "linear+spring", (("load_shear", FORM),),
-           ((INTERACTION, "_pressing", of(INTERACTION._pressing, on_elastic_force)),)),
+           ((INTERACTION, "pressing", of(INTERACTION.pressing, on_elastic_force)),)),
     Mutant("damping with the wrong sign", "hertz", (("load", FORM),),
            ((hertz.HertzNormal, "damping", of(hertz.HertzNormal.damping, anti_damping)),)),
     Mutant("attraction not clipped", "hertz_clipped", (("load", FORM),),
@@ -220,7 +220,7 @@ MUTANTS = (
     Mutant("no dynamic coefficient", "linear+spring_dynamic", (("shear", FORM),),
            ((SLIDER, "move", of(SLIDER.move, never_slides_dynamically)),), convention="lammps"),
     Mutant("viscous friction without limit", "linear+viscous", (("load_shear", FORM),),
-           ((INTERACTION, "_pressing", of(INTERACTION._pressing, boundless)),)),
+           ((INTERACTION, "pressing", of(INTERACTION.pressing, boundless)),)),
 )
 
 
