@@ -94,5 +94,5 @@ def preparation_words(rows: Sequence[Mapping]) -> str:
     theirs = ", ".join(f"{r[TALK]:g}" for r in rows if r["read"] == rows[0]["read"])
     return (
         f"Prepared at {PREPARED_AT:g} N/m, a pressure chosen after trying 500, 1000 and 2000: {'; '.join(said)} "
-        f"(the talk: {theirs}). What the talk's table needs is a memory of the contacts from about such a pressure."
+        f"(the talk: {theirs})."
     )
