@@ -62,6 +62,7 @@ class RunResult:
 
     status: "completed" only when the engine's own finished marker was found.
     reason: one line, empty when completed. last_lines: the engine's own last words.
+    warning: one line in which an engine that completed says itself that something is wrong; empty if it does not.
     cpu_seconds: user + system time of the child; timings: seconds by phase, at least "run".
     resumed_at: step from which a killed run went on, None for a run in one piece; cpu_seconds are then those of all
     its parts up to checkpoints, wall_seconds those of the last part.
@@ -74,6 +75,7 @@ class RunResult:
     wall_seconds: float
     timings: dict[str, float] = field(default_factory=dict)
     resumed_at: int | None = None
+    warning: str = ""
 
 
 @dataclass(frozen=True, kw_only=True)

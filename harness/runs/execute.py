@@ -104,6 +104,7 @@ class _Run:
             "deck_digest": deck_digest(self.deck),
             "cpu_seconds": result.cpu_seconds,
             "resumed_at": result.resumed_at,
+            **({"warning": result.warning} if result.warning else {}),
             "wall_seconds": result.wall_seconds,
             "last_lines": result.last_lines,
             "steps_done": self.engine.steps_done(path),

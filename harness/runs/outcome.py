@@ -52,6 +52,7 @@ class Outcome(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     load_average: runnable processes of the machine at the start; times of a busy machine mislead.
     native: what became of the engine's own output. trajectory: recorded for completed runs only, and so are
     `files`, all others in the folder, by name.
+    warning: what the engine itself says is wrong with a run that it completed; absent from the file otherwise.
     watch: of watched runs the largest size of each quantity, or why there is none; absent from the file otherwise.
     """
 
@@ -81,7 +82,13 @@ class Outcome(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     native: str = ""
     trajectory: FileRecord | None = None
     files: dict[str, FileRecord] = {}
+    warning: str | msgspec.UnsetType = msgspec.UNSET
     watch: dict[str, float | str] | msgspec.UnsetType = msgspec.UNSET
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the engine says is wrong, or nothing."""
+        return () if self.warning is msgspec.UNSET else (self.warning,)
 
     def __post_init__(self) -> None:
         """Refuse what no run can have; raises ValueError."""
@@ -130,6 +137,7 @@ def describe_outcome(outcome: Outcome) -> str:
     """Say in one line what happened; for a failed run it ends with the command that repeats it."""
     head = f"{outcome.scene_name}, {outcome.engine} {outcome.engine_version}: {outcome.status}"
     tail = f"; partial: {', '.join(outcome.partial)}" if outcome.partial else ""
+    tail += "".join(f"; warning: {warning}" for warning in outcome.warnings)
     tail += "" if outcome.resumed_at is None else f"; went on at step {outcome.resumed_at}, the same bits"
     if outcome.status == "completed":
         line = f"{head}, {outcome.steps} steps, {outcome.particles} particles, {_times(outcome)}{tail}"

@@ -14,7 +14,7 @@ from pathlib import Path
 from reference.kernel.checkpoint import CHECKPOINT, EVERY, OWNER, read_checkpoint, write_checkpoint
 from reference.kernel.deck import Plan, read_deck
 from reference.kernel.guards import KernelUnstable, refuse_late_springs
-from reference.kernel.late_springs import LateSprings, feels_late
+from reference.kernel.late_springs import LateSprings, late_families
 from reference.kernel.output import SERIES, FramesWriter, SeriesWriter
 from reference.kernel.program.simulation import ProgramSimulation, fastest
 
@@ -44,7 +44,7 @@ class _Run:
     def __init__(self, folder: Path):
         self.folder, self._clock, self.resumed_at = folder, _Clock(), None
         self._model, self._plan = read_deck(folder)
-        self._late = LateSprings(self._model, self._plan.steps) if feels_late(self._model) else None
+        self._late = LateSprings(self._model, self._plan.steps) if late_families(self._model) else None
         self._found = read_checkpoint(folder)
         length, part = (None, 0) if self._found is None else (int(self._found[1][n]) for n in ("series", "part"))
         self._series = SeriesWriter(folder / SERIES, self._model, length=length)
@@ -97,12 +97,14 @@ class _Run:
             self._clock.mark()
 
     def report(self) -> dict:
-        """Return the finished marker, and CPU seconds by phase, those before a checkpoint among them."""
+        """Return the finished marker, CPU seconds by phase, those before a checkpoint among them, and any warning."""
         simulation = self._simulation
         report = {
             "finished": True, "steps": simulation.state.step, "rebuilds": simulation.rebuilds,
             "timings": self._clock.laps,
         }
+        warning = None if self._late is None else self._late.warning()
+        report |= {} if warning is None else {"warning": warning}
         return report | ({"resumed_at": self.resumed_at} if self.resumed_at is not None else {})
 
     def close(self) -> None:

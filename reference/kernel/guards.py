@@ -17,14 +17,15 @@ stopped.
 A spring that is felt late. The talks' algorithm feels tangential springs one step late (`laws.slider`): a swing of
 frequency W grows by exp(W^2 (dt - gamma/k) t/2) while the contact sticks; W^2 = k (1/m + R^2/I) for one body that
 slides at a wall, k R^2/I if it rolls or twists. A run in which the lightest body could gain more than MOST_GROWTH is
-not begun. What packings and Mindlin's springs, whose stiffness nobody knows beforehand, make of it is watched on the
-way (`late_springs`).
+not begun. What packings, in which bodies have more contacts than one, and Mindlin's springs, whose stiffness nobody
+knows beforehand, make of it is watched on the way (`late_springs`).
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from reference.kernel.laws.law import Law
 from reference.kernel.model import Model
 from reference.kernel.neighbours import branch_vectors
 from reference.kernel.vectors import dot, norm
@@ -95,9 +96,18 @@ def refuse_centres_inside(
     return float(found[k])
 
 
+FAMILIES = {"sliding": "shear", "rolling": "rolling", "torsion": "torsion"}
+"""Families that may have springs, and how the numbers of theirs begin."""
+
+
+def own_spring(law: Law | None, family: str) -> tuple[float, float]:
+    """Return stiffness, N/m, and damping, kg/s, of a law's spring; zeros where it has none, or none of its own."""
+    return tuple(getattr(law, f"{FAMILIES[family]}_{name}", 0.0) for name in ("stiffness", "damping"))
+
+
 def refuse_late_springs(model: Model, steps: int) -> None:
     """Raise KernelUnstable if springs that are felt a step late could make energy within so many steps."""
-    for family in ("sliding", "rolling", "torsion"):
+    for family in FAMILIES:
         growth = _late_growth(model, family, steps)
         if growth > MOST_GROWTH:
             raise KernelUnstable(
@@ -110,10 +120,9 @@ def refuse_late_springs(model: Model, steps: int) -> None:
 def _late_growth(model: Model, family: str, steps: int) -> float:
     """Return W^2 (dt - gamma/k) t/2 of the lightest body; 0 of what is not felt late, or has no spring of its own."""
     law = getattr(model, family)
-    prefix = "shear" if family == "sliding" else family
-    stiffness = getattr(law, f"{prefix}_stiffness", None)
-    if getattr(law, "algorithm", None) != "talk" or not isinstance(stiffness, float):
+    stiffness, damping = own_spring(law, family)
+    if getattr(law, "algorithm", None) != "talk" or stiffness == 0.0:
         return 0.0
     moved = 1.0 / model.mass if family == "sliding" else 0.0
     square = stiffness * float((moved + model.radius**2 / model.inertia).max())
-    return 0.5 * square * (model.dt - getattr(law, f"{prefix}_damping") / stiffness) * model.dt * steps
+    return 0.5 * square * (model.dt - damping / stiffness) * model.dt * steps

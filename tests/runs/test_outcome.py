@@ -33,7 +33,7 @@ def outcome(**changes) -> Outcome:
 CRASH = {"status": "crashed", "reason": "SIGSEGV", "trajectory": None, "steps_done": 6}
 
 
-@pytest.mark.parametrize("changes", [{}, CRASH, {"partial": ("sliding: partial: x",)}])
+@pytest.mark.parametrize("changes", [{}, CRASH, {"partial": ("sliding: partial: x",)}, {"warning": "swings grew"}])
 def test_json_round_trip_is_exact(tmp_path, changes):
     path = tmp_path / "outcome.json"
     write_outcome(path, outcome(**changes))
@@ -138,3 +138,12 @@ def test_threads_find_the_types_ready(tmp_path):
     command = [sys.executable, "-c", code, str(tmp_path / "outcome.json")]
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
     assert (done.returncode, done.stdout) == (0, "completed\n"), done.stderr
+
+
+def test_a_warning_is_said_and_without_one_the_file_has_no_word_of_it(tmp_path):
+    said = outcome(warning="swings could have grown")
+    assert describe_outcome(said).endswith("; warning: swings could have grown")
+    assert said.warnings == ("swings could have grown",)
+    assert outcome().warnings == ()
+    write_outcome(tmp_path / "outcome.json", outcome())
+    assert "warning" not in (tmp_path / "outcome.json").read_text()

@@ -169,7 +169,7 @@ def _outcome(command: list[str], folder: Path, time_limit: float) -> RunResult:
     return RunResult(
         status=status, reason=reason, last_lines=child.last_lines, wall_seconds=child.wall_seconds, timings=timings,
         cpu_seconds=child.cpu_seconds if resumed_at is None else max(child.cpu_seconds, sum(timings.values())),
-        resumed_at=resumed_at,
+        resumed_at=resumed_at, warning=report.get("warning", ""),
     )
 
 

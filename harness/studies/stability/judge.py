@@ -2,7 +2,7 @@
 
     stable            it ran to its end and every invariant held
     degraded          it ran to its end; an invariant is beyond its tolerance, yet not beyond its ruin
-    failed_loudly     the code itself stopped, or died, with a reason
+    failed_loudly     the code itself stopped, or died, with a reason; or says at its end that the run went wrong
     timed_out         the harness ended it at the time limit: neither the code nor its answer said anything
     failed_silently   the code ended as if all were well, and an invariant is beyond its ruin
     refused           the scene was turned down before anything ran, in one line
@@ -168,8 +168,10 @@ def _ended(outcome: Outcome, held: tuple[Held, ...]) -> tuple[Ended, str]:
         return "degraded", f"{unknown.invariant}: {unknown.says}"
     if bad is None:
         return "stable", ""
-    reason = f"{bad.invariant}: {bad.says} {bad.size:.3g} > {bad.tolerance:.3g}"
-    return ("failed_silently" if bad.ruined else "degraded"), reason
+    reason = "; ".join((f"{bad.invariant}: {bad.says} {bad.size:.3g} > {bad.tolerance:.3g}", *outcome.warnings))
+    if not bad.ruined:
+        return "degraded", reason
+    return ("failed_loudly" if outcome.warnings else "failed_silently"), reason
 
 
 def _said_nothing(outcome: Outcome) -> bool:

@@ -56,6 +56,11 @@ class SpringRolling(CoupleLaw):
         force, memory = slider.move(memory, rate, pressing.base, n, dt, advance=advance)
         return a * torque_cross(n, force), memory
 
+    def spring(self, contact: Touching) -> tuple[np.ndarray, np.ndarray]:
+        """Return k_r, (M,) in N/m, and gamma_r, (M,) in kg/s."""
+        one = np.ones_like(contact.overlap)
+        return self.rolling_stiffness * one, self.rolling_damping * one
+
     def energy(self, contact: Touching, memory: np.ndarray) -> np.ndarray:
         """Return the stored energy k_r xi^2 / 2, (M,), in J."""
         del contact

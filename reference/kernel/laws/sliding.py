@@ -48,7 +48,8 @@ class SpringSliding(SlidingLaw):
 
     def spring(self, contact: Touching) -> tuple[np.ndarray, np.ndarray]:
         """Return k_t, (M,) in N/m, and gamma_t, (M,) in kg/s."""
-        return np.full_like(contact.overlap, self.shear_stiffness), np.full_like(contact.overlap, self.shear_damping)
+        one = np.ones_like(contact.overlap)
+        return self.shear_stiffness * one, self.shear_damping * one
 
     def energy(self, contact: Touching, memory: np.ndarray) -> np.ndarray:
         """Return the stored energy k_t xi^2 / 2, shape (M,), in J."""

@@ -49,6 +49,11 @@ class SpringTorsion(CoupleLaw):
         force, memory = slider.move(memory, rate, pressing.base, None, dt, advance=advance)
         return a * force * n, memory
 
+    def spring(self, contact: Touching) -> tuple[np.ndarray, np.ndarray]:
+        """Return k_o, (M,) in N/m, and gamma_o, (M,) in kg/s."""
+        one = np.ones_like(contact.overlap)
+        return self.torsion_stiffness * one, self.torsion_damping * one
+
     def energy(self, contact: Touching, memory: np.ndarray) -> np.ndarray:
         """Return the stored energy k_o xi^2 / 2, (M,), in J."""
         del contact

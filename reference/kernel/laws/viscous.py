@@ -38,3 +38,7 @@ class ViscousSliding(SlidingLaw):
         limit, drag = self.shear_friction * base, self.shear_damping * norm(contact.v_t)
         cut = np.divide(limit, drag, out=np.ones_like(drag), where=drag > limit)
         return -self.shear_damping * cut * contact.v_t, memory
+
+    def spring(self, contact: Touching) -> tuple[np.ndarray, np.ndarray]:
+        """Return no stiffness, (M,) in N/m, and gamma_t, (M,) in kg/s: what acts below the limit."""
+        return np.zeros_like(contact.overlap), np.full_like(contact.overlap, self.shear_damping)

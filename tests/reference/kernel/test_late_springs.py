@@ -11,15 +11,32 @@ import pytest
 
 import reference.kernel.__main__ as command
 from reference.analytic.packing_modes import FIXED, Contacts, Elements, Packing
-from reference.kernel import late_springs
+from reference.kernel import late_springs, small_motions
 from reference.kernel.conventions import NAMED
 from reference.kernel.guards import MOST_GROWTH, KernelUnstable, refuse_late_springs
-from reference.kernel.late_springs import LateSprings, feels_late, largest_eigenvalue, step_growth
+from reference.kernel.late_springs import WORTH_SAYING, LateSprings, late_families
 from reference.kernel.laws.mindlin import MindlinSliding
 from reference.kernel.program.simulation import ProgramSimulation
+from reference.kernel.small_motions import Operator, contacts_of_now, largest_eigenvalue, step_growth
 
 DEPTH = 1e-3
 """Overlap over radius of the disc between two plates."""
+
+
+def plates(dem, depth=DEPTH, dim=2):
+    """Rough ones that press a body of radius 1 between them."""
+    up, at = ((0, 1), (0, 2 - 2 * depth)) if dim == 2 else ((0, 0, 1), (0, 0, 2 - 2 * depth))
+    return [dem.wall("floor", (0,) * dim, up, friction=True),
+            dem.wall("top", at, tuple(-c for c in up), friction=True)]
+
+
+def rolled(dem, *families, stiffness=300.0, damping=0.0, friction=1e3):
+    """Tables of springs against rolling and torsion that nothing overcomes."""
+    return {
+        family: dem.table(family, "spring", **{
+            f"{family}_stiffness": stiffness, f"{family}_damping": damping, f"{family}_friction": friction})
+        for family in families
+    }
 
 
 @pytest.fixture
@@ -27,12 +44,10 @@ def press(dem):
     """press(step, ...): a disc that spins between two rough plates, dt = step/W, W of its swing; W; gamma/k."""
 
     def make(step, *, law="mindlin", restitution=1.0, friction=10.0, spin=1e-6, convention="talk", depth=DEPTH):
-        plates = [dem.wall("floor", (0, 0), (0, 1), friction=True),
-                  dem.wall("top", (0, 2 - 2 * depth), (0, -1), friction=True)]
         bare = {} if law == "mindlin" else {"shear_damping": 0.0}
         sliding = dem.table("sliding", law, shear_friction=friction, **bare)
         model = dem.model(
-            [[0.0, 1 - depth]], spin=[[spin]], walls=plates, sliding=sliding, convention=convention, dt=1.0,
+            [[0.0, 1 - depth]], spin=[[spin]], walls=plates(dem, depth), sliding=sliding, convention=convention, dt=1.0,
             normal=dem.table("normal", "hertz", restitution=restitution),
         )
         touching = dem.Simulation(model).interactions[1].last.contact
@@ -78,7 +93,7 @@ def measured_rate(model, swing, steps):
         spins = []
         for _ in range(period):
             simulation.advance()
-            spins.append(abs(simulation.state.spin[0, 0]))
+            spins.append(np.abs(simulation.state.spin[:, 0]).max())
         return max(spins)
 
     before = largest()
@@ -104,7 +119,49 @@ def test_below_gamma_over_k_nothing_grows(press):
     assert measured_rate(model, swing, 5000) < 0
 
 
+TURNING = [("rolling", 2, [1]), ("rolling", 3, [1, 0, 0]), ("torsion", 3, [0, 0, 1])]
+
+
+def turning(dem, family, dim, axis, step=0.08, held=0.0):
+    """A body that turns between two plates on springs of one family, a* = R: W^2 = 2 k R^2/I; held: gamma/k over dt."""
+    stiffness, place = 300.0, (0.0,) * (dim - 1) + (1 - DEPTH,)
+    swing = math.sqrt(2 * stiffness / {2: 0.5, 3: 0.4}[dim])
+    dt = step / swing
+    laws = rolled(dem, family, stiffness=stiffness, damping=held * dt * stiffness)
+    return dem.model([place], spin=[[1e-6 * a for a in axis]], walls=plates(dem, dim=dim), dt=dt, **laws), swing
+
+
+@pytest.mark.parametrize(("family", "dim", "axis"), TURNING)
+def test_rolling_and_torsion_swing_up_as_the_formula_says(dem, family, dim, axis):
+    for held in (0.0, 0.7, 1.5):
+        model, swing = turning(dem, family, dim, axis, held=held)
+        rate = exponent_of_step(model, swing, held * model.dt)
+        assert measured_rate(model, swing, math.ceil(4 / abs(rate))) == pytest.approx(rate, rel=0.03)
+
+
 # --- what is stopped, and what is not -----------------------------------------------------------
+
+
+@pytest.mark.parametrize(("family", "dim", "axis"), TURNING)
+@pytest.mark.parametrize("held", [0.0, 0.7])
+def test_rolling_and_torsion_are_stopped_that_the_guard_at_step_0_lets_begin(dem, kernel, family, dim, axis, held):
+    """Between two plates the swing grows twice as fast as at the one wall that the guard asks for."""
+    model, swing = turning(dem, family, dim, axis, held=held)
+    rate = exponent_of_step(model, swing, held * model.dt)
+    ends = int(1.98 * MOST_GROWTH / (model.dt * swing) ** 2 / (1 - held) * 2)
+    refuse_late_springs(model, ends)
+    expected = math.ceil(MOST_GROWTH / rate / 10) * 10
+    assert expected < 0.6 * ends
+    assert stopped(kernel(model), every=10, looks=ends // 10) == expected
+
+
+@pytest.mark.parametrize(("family", "dim", "axis"), TURNING)
+def test_what_rolls_or_twists_at_the_limit_does_not_swing(dem, kernel, family, dim, axis):
+    model, _ = turning(dem, family, dim, axis)
+    fast = replace(model, spin=1e6 * model.spin, **{family: replace(
+        getattr(model, family), **{f"{family}_friction": 1e-3})})
+    assert stopped(kernel(model), every=10, looks=50) is not None
+    assert stopped(kernel(fast), every=10, looks=50) is None
 
 
 @pytest.mark.parametrize("law", ["mindlin", "spring"])
@@ -136,7 +193,7 @@ def test_wrong_guards_would_be_noticed(press, monkeypatch, mutant):
     elif mutant == "stiffness at the touch":
         monkeypatch.setattr(MindlinSliding, "spring", lambda self, c: (0 * c.overlap, 0 * c.overlap))
     else:
-        monkeypatch.setattr(late_springs, "_sticks", lambda k, forces: np.zeros(len(forces.f_n), bool))
+        monkeypatch.setattr(small_motions, "_sticks", lambda k, forces, family: np.zeros(len(forces.f_n), bool))
     expected = math.ceil(MOST_GROWTH / exponent_of_step(model, swing) / 10) * 10
     assert stopped(ProgramSimulation(model), every=10, looks=expected // 10 + 3) is None
 
@@ -145,6 +202,35 @@ def test_a_dashpot_that_holds_lets_it_pass(press, kernel):
     model, _, held = press(0.05, restitution=0.95)
     assert model.dt < held
     assert stopped(kernel(model), every=50, looks=40) is None
+
+
+@pytest.mark.parametrize("grows", [True, False])
+def test_at_its_end_a_run_warns_only_of_what_grows(dem, grows):
+    limit = by_theory(dem, between(dem, 1.0)).largest_step()
+    model = between(dem, (1.05 if grows else 0.97) * limit)
+    rate = math.log(by_theory(dem, model).late_growth(model.dt))
+    steps = int(0.5 / rate)
+    simulation, watch = ProgramSimulation(model), LateSprings(model, steps)
+    while watch.next_look is not None:
+        simulation.advance(watch.next_look - simulation.state.step)
+        watch.look(simulation)
+    assert (watch.warning() is not None) == grows
+
+
+def test_what_ended_is_not_forgotten(dem):
+    """A sphere that is let go after it has swung: the warning names what it had grown by."""
+    model, _ = turning(dem, "torsion", 3, [0, 0, 1])
+    simulation, watch = dem.Simulation(model), LateSprings(model, 1000)
+    for _ in range(5):
+        watch.look(simulation)
+        simulation.advance(10)
+    grown = watch.exponent.max()
+    simulation.state.x[2, 0] += 3 * DEPTH
+    simulation.state.x[2, 2] += 3.0
+    simulation.advance(10)
+    watch.look(simulation)
+    assert watch.exponent.max() == 0.0
+    assert f"exp({grown:.3g})" in watch.warning()
 
 
 def test_what_slides_does_not_swing(press, kernel):
@@ -179,25 +265,40 @@ def between(dem, dt, side=2e-4):
 
 
 def by_theory(dem, model):
-    """Its springs and dashpots, as closed forms have them."""
+    """Its springs and dashpots, as closed forms have them; all that turn are felt late."""
     touching = [(k, k.last.contact) for k in dem.Simulation(model).interactions if len(k.last.contact.i)]
     n = np.concatenate([c.n.T for _, c in touching])
-    rough = [(k.sliding, c) for k, c in touching]
-    springs = [(0 * c.overlap, 0 * c.overlap) if law is None else law.spring(c) for law, c in rough]
-    stiffness, damping = (np.concatenate([s[k] for s in springs]) for k in (0, 1))
-    arms = [0 * c.overlap if law is None else c.torque_arm_i for law, c in rough]
-    arm_j = [0 * c.overlap if law is None else c.torque_arm_j for law, c in rough]
     i, j = (np.concatenate([getattr(c, name) for _, c in touching]) for name in "ij")
-    late = Elements(tangential=stiffness)
+    arms = [np.concatenate([_or_nothing(c, f"torque_arm_{side}") for _, c in touching]) for side in "ij"]
+    linear = getattr(model.normal, "normal_stiffness", None)
+    slope = linear if isinstance(linear, float) else np.concatenate([linear(c) for _, c in touching])
+    families = {"sliding": "tangential", "rolling": "rolling", "torsion": "torsion"}
+    numbers = {word: _numbers(touching, family) for family, word in families.items() if getattr(model, family)}
+    springs = {word: stiffness for word, (stiffness, _) in numbers.items()}
     return Packing(
-        mass=model.mass, inertia=model.inertia, late=late, drag=model.drag or 0.0,
-        springs=Elements(normal=np.concatenate([model.normal.normal_stiffness(c) for _, c in touching]),
-                         tangential=stiffness),
-        dashpots=Elements(normal=np.concatenate([model.normal.damping(c) for _, c in touching]), tangential=damping),
+        mass=model.mass, inertia=model.inertia, late=Elements(**springs), drag=model.drag or 0.0,
+        springs=Elements(normal=slope, **springs),
+        dashpots=Elements(normal=np.concatenate([0 * c.overlap + model.normal.damping(c) for _, c in touching]),
+                          **{word: damping for word, (_, damping) in numbers.items()}),
         contacts=Contacts(
-            i=i, j=np.where(j < model.particle_count, j, FIXED), normal=n, arm_i=np.concatenate(arms),
-            arm_j=np.concatenate(arm_j), reduced=np.ones(len(i)), distance=np.full(len(i), np.inf)),
+            i=i, j=np.where(j < model.particle_count, j, FIXED), normal=n, arm_i=arms[0], arm_j=arms[1],
+            reduced=np.concatenate([_or_nothing(c, "reduced_radius") for _, c in touching]),
+            distance=np.full(len(i), np.inf)),
     )
+
+
+def _or_nothing(contact, name):
+    return 0 * contact.overlap if getattr(contact, name) is None else getattr(contact, name)
+
+
+def _numbers(touching, family):
+    each = [(0 * c.overlap,) * 2 if getattr(k, family) is None else getattr(k, family).spring(c) for k, c in touching]
+    return [np.concatenate([numbers[which] for numbers in each]) for which in (0, 1)]
+
+
+def late_part(packing, words):
+    """The packing of which only some springs are felt late."""
+    return replace(packing, late=Elements(**{word: getattr(packing.springs, word) for word in words}))
 
 
 @pytest.mark.parametrize("exact", [True, False])
@@ -216,27 +317,29 @@ def test_a_swing_that_other_dashpots_hold_is_let_pass(dem, monkeypatch, exact):
 def test_the_growth_of_a_step_is_that_of_the_matrices(dem, side):
     for dt in (0.002, 0.005, 0.01):
         model = between(dem, dt, side)
-        found = late_springs._contacts(dem.Simulation(model).interactions)
-        across = {"springs": found.stiffness, "fed": dt * found.stiffness - found.damping}
-        along = {"springs": found.slope, "fed": -found.along}
-        matrices = {
-            name: late_springs._Operator(model, found, along=along[name], across=across[name], drag=0.0).matrix()
-            for name in across
+        found = contacts_of_now(model, dem.Simulation(model).interactions)
+        spring = found.springs["sliding"]
+        weights = {
+            "springs": {"normal": found.slope, "sliding": spring.stiffness},
+            "fed": {"normal": -found.along, "sliding": dt * spring.stiffness - spring.damping},
         }
+        matrices = {name: Operator(model, found, of).matrix() for name, of in weights.items()}
         assert step_growth(**matrices, dt=dt) == pytest.approx(by_theory(dem, model).growth(dt), abs=1e-6)
 
 
 # --- its numbers --------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("drag", [None, 0.7])
-def test_the_eigenvalue_is_that_of_the_matrices(dem, dim, drag):
+@pytest.mark.parametrize(("dim", "families"), [
+    (2, ()), (2, ("rolling",)), (3, ()), (3, ("rolling",)), (3, ("torsion",)), (3, ("rolling", "torsion")),
+])
+def test_the_eigenvalue_is_that_of_the_matrices(dem, dim, families, drag):
     """The kernel's operator, contact by contact, against the sums of `packing_modes`."""
     model = dem.cluster(
         5, dim, squeeze=0.97, walls=dem.box(6.0, dim, friction=("x0", "y0")), drag=drag, dt=0.002,
         normal=dem.table("normal", "hertz", restitution=0.9),
-        sliding=dem.table("sliding", "mindlin", shear_friction=1e3),
+        sliding=dem.table("sliding", "mindlin", shear_friction=1e3), **rolled(dem, *families),
     )
     simulation = dem.Simulation(model)
     packing, watch = by_theory(dem, model), LateSprings(model, 10**6)
@@ -247,12 +350,32 @@ def test_the_eigenvalue_is_that_of_the_matrices(dem, dim, drag):
     assert watch.exponent.max() == pytest.approx(math.log(packing.late_growth(model.dt)), rel=1e-3)
 
 
+@pytest.mark.parametrize("word", ["viscous", "spring"])
+def test_dashpots_that_are_not_late_take_from_the_swing(dem, word):
+    """A disc that rolls between plates on late springs: sliding on dashpots alone, or on springs that they hold."""
+    numbers = {"shear_damping": 0.2, "shear_friction": 1e3} | ({"shear_stiffness": 1.0} if word == "spring" else {})
+    model = dem.model(
+        [[0.0, 1 - DEPTH]], spin=[[1e-6]], walls=plates(dem), dt=0.01, normal=dem.table("normal", "linear"),
+        sliding=dem.table("sliding", word, **numbers), **rolled(dem, "rolling", stiffness=50.0))
+    packing, watch, simulation = by_theory(dem, model), LateSprings(model, 10**6), dem.Simulation(model)
+    without = late_part(packing, ("rolling",))
+    assert set(watch._stuck) == {"rolling"}
+    for _ in range(2):
+        watch.look(simulation)
+        simulation.state.step += 1
+    expected = math.log(without.late_growth(model.dt))
+    assert 0 < expected < 0.7 * math.log(replace(without, dashpots=Elements()).late_growth(model.dt))
+    assert watch.exponent.max() == pytest.approx(expected, rel=1e-6)
+
+
 def test_the_power_is_that_of_the_operator(dem):
     laws = {"normal": dem.table("normal", "hertz"), "sliding": dem.table("sliding", "mindlin")}
-    model = dem.cluster(7, 3, squeeze=0.97, **laws)
-    found = late_springs._contacts(dem.Simulation(model).interactions)
-    along, across = np.random.default_rng(1).normal(size=(2, len(found.i)))
-    fed = late_springs._Operator(model, found, along=along, across=across, drag=0.3)
+    turning = {family: dem.table(family, "spring") for family in ("rolling", "torsion")}
+    model = dem.cluster(7, 3, squeeze=0.97, **laws, **turning)
+    found = contacts_of_now(model, dem.Simulation(model).interactions)
+    families = ("normal", "sliding", "rolling", "torsion")
+    weights = dict(zip(families, np.random.default_rng(1).normal(size=(4, len(found.i))), strict=True))
+    fed = Operator(model, found, weights, drag=0.3)
     moved = np.concatenate([model.v, model.spin])
     x = (moved * fed._root).ravel()
     assert fed.power(model.v, model.spin) == pytest.approx(x @ fed(x), rel=1e-11)
@@ -290,14 +413,18 @@ def test_a_small_largest_eigenvalue_is_found_beside_large_negative_ones(top):
 
 @pytest.mark.parametrize("convention", ["lammps", "liggghts", "corrected"])
 def test_others_are_not_watched(press, convention):
-    assert not feels_late(press(0.08, convention=NAMED[convention])[0])
+    assert not late_families(press(0.08, convention=NAMED[convention])[0])
 
 
 def test_only_late_springs_that_may_not_be_held_are_watched(dem):
-    assert feels_late(dem.model([[0.0, 0.0]], mu=0.5, kt=1e3, gt=0.99, dt=1e-3))
-    assert not feels_late(dem.model([[0.0, 0.0]], mu=0.5, kt=1e3, gt=1.01, dt=1e-3))
-    assert not feels_late(dem.model([[0.0, 0.0]], sliding=dem.table("sliding", "viscous")))
-    assert not feels_late(dem.model([[0.0, 0.0]]))
+    turning = {family: dem.table(family, "spring") for family in ("rolling", "torsion")}
+    assert late_families(dem.model([[0.0] * 3], dt=1e-2, **turning)) == ("rolling", "torsion")
+    assert late_families(dem.model([[0.0] * 3], dt=1e-3, **turning)) == ()
+    assert late_families(dem.model([[0.0] * 2], dt=1e-2, rolling=dem.table("rolling", "constant"))) == ()
+    assert late_families(dem.model([[0.0, 0.0]], mu=0.5, kt=1e3, gt=0.99, dt=1e-3))
+    assert not late_families(dem.model([[0.0, 0.0]], mu=0.5, kt=1e3, gt=1.01, dt=1e-3))
+    assert not late_families(dem.model([[0.0, 0.0]], sliding=dem.table("sliding", "viscous")))
+    assert not late_families(dem.model([[0.0, 0.0]]))
 
 
 @pytest.mark.parametrize(("steps", "every"), [(99, 1), (250, 2), (10**4, 100), (10**5, 1000), (10**7, 1000)])
@@ -360,12 +487,36 @@ def test_a_run_ends_with_the_reason(deck):
     assert int(line.split("step ")[1].split(":")[0]) < 2000
 
 
+@pytest.mark.parametrize(("steps", "says"), [(10, False), (100, True)])
+def test_a_run_that_was_not_stopped_says_what_it_made(deck, capsys, steps, says):
+    """The deck without dashpots: exp(0.05) after some ten steps."""
+    assert command.main(deck("late", steps, 1.0)) == 0
+    report = json.loads(capsys.readouterr().out.splitlines()[-1])
+    assert ("warning" in report) == says
+    if says:
+        most = float(report["warning"].split("exp(")[1].rstrip(")"))
+        assert WORTH_SAYING < most < MOST_GROWTH
+
+
+def test_what_the_watch_keeps_is_all_that_it_needs(dem):
+    model, _ = turning(dem, "torsion", 3, [0, 0, 1])
+    simulation, watch, other = ProgramSimulation(model), LateSprings(model, 10**6), LateSprings(model, 10**6)
+    for _ in range(5):
+        watch.look(simulation)
+        simulation.advance(10)
+    other.take(watch.kept())
+    for each in (watch, other):
+        each.look(simulation)
+    assert watch.exponent.max() == other.exponent.max() > WORTH_SAYING
+    assert all(np.array_equal(watch.kept()[name], kept) for name, kept in other.kept().items())
+
+
 def test_looking_does_not_change_a_run(deck, monkeypatch):
     import h5py
 
     watched, alone = (deck(name, 3000, 0.8) for name in ("watched", "alone"))
     assert command.main(watched) == 0
-    monkeypatch.setattr(command, "feels_late", lambda model: False)
+    monkeypatch.setattr(command, "late_families", lambda model: False)
     assert command.main(alone) == 0
     assert (watched / "series.csv").read_text() == (alone / "series.csv").read_text()
     with h5py.File(watched / "frames.h5") as a, h5py.File(alone / "frames.h5") as b:

@@ -106,7 +106,7 @@ def test_the_standard_set_leaves_long_cases_out_unless_asked():
 
 def test_a_topic_names_its_cases():
     chosen = choose_cases(CASES, ["shear_stiffness"], long=False)
-    assert {c.name for c in chosen} == {"shear_soft", "shear_stiff", "late_mindlin"}
+    assert {c.name for c in chosen} == {"shear_soft", "shear_stiff", "late_mindlin", "late_rolling", "late_torsion"}
     assert [c.name for c in choose_cases(CASES, ["cradle"], long=False)] == ["cradle"]
 
 

@@ -16,13 +16,13 @@ from harness.studies.stability.judge import Held, Result, declared, judge_refusa
 HOST = Host(cpu_model="x", cores=1, os="x", python="3", numpy="2")
 
 
-def outcome(status="completed", reason="", timings=None):
+def outcome(status="completed", reason="", timings=None, **more):
     now = datetime(2026, 1, 1, tzinfo=UTC)
     return Outcome(
         status=status, reason=reason, scene_name="s", engine="e", engine_version="1", harness_version="1", host=HOST,
         system_digest="d", particles_digest="p", steps=10, particles=1, started=now, finished=now, load_average=0.0,
         timings=timings or {}, cpu_seconds=0.1, wall_seconds=0.1,
-        trajectory=FileRecord(size=1, sha256="a") if status == "completed" else None,
+        trajectory=FileRecord(size=1, sha256="a") if status == "completed" else None, **more,
     )
 
 
@@ -63,6 +63,17 @@ def test_beyond_ruin_a_run_that_said_nothing_failed_silently(apart):
     result = ended(case(invariant("rigid", 0.01, ruin=0.02)), "kernel:talk", apart)
     assert result.ended == "failed_silently"
     assert result.kernel_failed_silently
+
+
+def test_beyond_ruin_a_run_that_warned_failed_loudly(apart):
+    result = ended(case(invariant("rigid", 0.01, ruin=0.02)), "kernel:talk", apart, warning="swings could have grown")
+    assert result.ended == "failed_loudly"
+    assert result.reason == "rigid: change of a distance, relative 0.05 > 0.01; swings could have grown"
+
+
+@pytest.mark.parametrize(("tolerance", "word"), [(0.01, "degraded"), (0.06, "stable")])
+def test_a_warning_does_not_make_a_run_worse(apart, tolerance, word):
+    assert ended(case(invariant("rigid", tolerance)), "kernel:talk", apart, warning="swings").ended == word
 
 
 def test_what_the_harness_ended_at_the_time_limit_is_no_word_of_the_code():
