@@ -34,6 +34,9 @@ DEEPER = 1e-6
 PRECISION = 1e-4
 """Of the largest eigenvalue of larger systems, over the largest magnitude of all."""
 
+STRAY = 10.0
+"""The last vector over the random numbers in what a search begins from."""
+
 AT_LIMIT = 1e-9
 """Of the limit: a spring that carries less than the limit by this much sticks."""
 
@@ -239,23 +242,46 @@ def step_growth(springs: np.ndarray, fed: np.ndarray, dt: float) -> float:
     return float(np.abs(np.linalg.eigvals(step)).max())
 
 
-def largest_eigenvalue(operator: Callable[[np.ndarray], np.ndarray], size: int) -> float:
-    """Return the largest eigenvalue of a symmetric operator on vectors (size,), not below 0.
+class LargestEigenvalue:
+    """The largest eigenvalues of like symmetric operators, one after the other, none below 0.
 
-    Above EXACT by ARPACK, from random numbers that are always the same. ARPACK's error is a part of the number that it
-    looks for, which is near 0 here, so all eigenvalues are moved beyond 0 first, by twice the largest magnitude.
+    Up to EXACT from all eigenvalues, above by ARPACK. Its error is a part of the number that it looks for, which is
+    near 0 here, so all eigenvalues are moved beyond 0 first, by twice the largest magnitude of the first operator. A
+    search begins from the last vector, which makes it much shorter, and from random numbers, always the same, at one
+    part in STRAY: a vector alone that is one of the new operator, too, would be taken for that of the largest.
     """
-    from scipy.sparse.linalg import LinearOperator, eigsh
 
-    if size <= EXACT:
-        return max(float(np.linalg.eigvalsh(np.stack([operator(row) for row in np.eye(size)]))[-1]), 0.0)
-    start = np.random.default_rng(0).normal(size=size)
-    if not operator(start).any():
-        return 0.0
+    def __init__(self) -> None:
+        self._vector: np.ndarray | None = None
+        self._beyond = 0.0
 
-    def end_of(matvec: Callable[[np.ndarray], np.ndarray], which: str) -> float:
-        moved = LinearOperator((size, size), matvec=matvec, dtype=float)
-        return float(eigsh(moved, k=1, which=which, v0=start, tol=PRECISION, return_eigenvectors=False)[0])
+    def of(self, operator: Callable[[np.ndarray], np.ndarray], size: int) -> float:
+        """Return that of an operator on vectors (size,)."""
+        if size <= EXACT:
+            return max(float(np.linalg.eigvalsh(np.stack([operator(row) for row in np.eye(size)]))[-1]), 0.0)
+        stray = np.random.default_rng(0).normal(size=size)
+        if not operator(stray).any():
+            return 0.0
+        if self._vector is None:
+            self._vector = stray
+            self._beyond = 2.0 * abs(self._end_of(operator, "LM", stray)[0])
+        start = self._vector / np.linalg.norm(self._vector) + stray / np.linalg.norm(stray) / STRAY
+        value, self._vector = self._end_of(lambda x: operator(x) + self._beyond * x, "LA", start)
+        return max(value - self._beyond, 0.0)
 
-    beyond = 2.0 * abs(end_of(operator, "LM"))
-    return max(end_of(lambda x: operator(x) + beyond * x, "LA") - beyond, 0.0)
+    @staticmethod
+    def _end_of(operator: Callable, which: str, start: np.ndarray) -> tuple[float, np.ndarray]:
+        from scipy.sparse.linalg import LinearOperator, eigsh
+
+        linear = LinearOperator((len(start),) * 2, matvec=operator, dtype=float)
+        values, vectors = eigsh(linear, k=1, which=which, v0=start, tol=PRECISION)
+        return float(values[0]), vectors[:, 0]
+
+    def kept(self) -> dict[str, np.ndarray]:
+        """Return what the coming searches depend on, for `take`."""
+        return {} if self._vector is None else {"late_vector": self._vector, "late_beyond": np.array(self._beyond)}
+
+    def take(self, kept: Mapping[str, np.ndarray]) -> None:
+        """Go on from what `kept` returned."""
+        if "late_vector" in kept:
+            self._vector, self._beyond = kept["late_vector"], float(kept["late_beyond"])

@@ -17,7 +17,7 @@ from reference.kernel.guards import MOST_GROWTH, KernelUnstable, refuse_late_spr
 from reference.kernel.late_springs import WORTH_SAYING, LateSprings, late_families
 from reference.kernel.laws.mindlin import MindlinSliding
 from reference.kernel.program.simulation import ProgramSimulation
-from reference.kernel.small_motions import Operator, contacts_of_now, largest_eigenvalue, step_growth
+from reference.kernel.small_motions import LargestEigenvalue, Operator, contacts_of_now, step_growth
 
 DEPTH = 1e-3
 """Overlap over radius of the disc between two plates."""
@@ -189,7 +189,8 @@ def test_a_packing_is_stopped_that_the_guard_at_step_0_lets_begin(dem):
 def test_wrong_guards_would_be_noticed(press, monkeypatch, mutant):
     model, swing, _ = press(0.08)
     if mutant == "half the rate":
-        monkeypatch.setattr(late_springs, "largest_eigenvalue", lambda f, n: 0.5 * largest_eigenvalue(f, n))
+        largest = LargestEigenvalue.of
+        monkeypatch.setattr(LargestEigenvalue, "of", lambda self, f, n: 0.5 * largest(self, f, n))
     elif mutant == "stiffness at the touch":
         monkeypatch.setattr(MindlinSliding, "spring", lambda self, c: (0 * c.overlap, 0 * c.overlap))
     else:
@@ -389,15 +390,15 @@ def test_largest_eigenvalues(size):
     a = np.random.default_rng(size).normal(size=(size, size))
     a = a + a.T - 3 * np.eye(size)
     exact = max(float(np.linalg.eigvalsh(a)[-1]), 0.0)
-    found = largest_eigenvalue(lambda x: a @ x, size)
+    found = LargestEigenvalue().of(lambda x: a @ x, size)
     assert found <= exact * (1 + 1e-9)
     assert found == pytest.approx(exact, rel=2e-3)
 
 
 def test_the_largest_eigenvalue_is_not_below_zero():
     for size in (7, 200):
-        assert largest_eigenvalue(lambda x: -x, size) == pytest.approx(0.0, abs=1e-12)
-        assert largest_eigenvalue(lambda x: 0 * x, size) == 0.0
+        assert LargestEigenvalue().of(lambda x: -x, size) == pytest.approx(0.0, abs=1e-12)
+        assert LargestEigenvalue().of(lambda x: 0 * x, size) == 0.0
 
 
 @pytest.mark.parametrize("top", [1e-1, 1e-3])
@@ -405,7 +406,40 @@ def test_a_small_largest_eigenvalue_is_found_beside_large_negative_ones(top):
     """Few motions are fed, most are damped hard, many not at all."""
     values = -np.linspace(0.0, 1.0, 500)
     values[0], values[1:100] = top, 0.0
-    assert largest_eigenvalue(lambda x: values * x, 500) == pytest.approx(top, rel=1e-3)
+    assert LargestEigenvalue().of(lambda x: values * x, 500) == pytest.approx(top, rel=1e-3)
+
+
+def blocks(*tops, size=40):
+    """Blocks that know nothing of each other, each with its largest eigenvalue."""
+    rng, whole = np.random.default_rng(3), np.zeros((size * len(tops),) * 2)
+    for k, top in enumerate(tops):
+        a = rng.normal(size=(size, size))
+        a = -a @ a.T
+        part = slice(k * size, (k + 1) * size)
+        whole[part, part] = a + (top - np.linalg.eigvalsh(a)[-1]) * np.eye(size)
+    return whole
+
+
+def test_the_next_search_is_not_caught_where_the_last_one_ended():
+    """The vector of the largest of the first operator is one of the second, whose largest is elsewhere."""
+    largest, first, second = LargestEigenvalue(), blocks(1.0, 0.5, 0.3, 0.2), blocks(1.0, 1.7, 0.3, 0.2)
+    assert largest.of(lambda x: first @ x, len(first)) == pytest.approx(1.0, rel=1e-2)
+    assert largest.of(lambda x: second @ x, len(second)) == pytest.approx(1.7, rel=1e-2)
+
+
+def test_a_search_that_begins_from_the_last_is_shorter():
+    largest, a, used = LargestEigenvalue(), blocks(1.0, 0.9, 0.8, 0.7), []
+
+    def counted(x):
+        used.append(1)
+        return a @ x
+
+    found = []
+    for _ in range(2):
+        used.clear()
+        found.append((largest.of(counted, len(a)), len(used)))
+    assert found[1][0] == pytest.approx(1.0, rel=1e-2)
+    assert found[1][1] < found[0][1] / 2
 
 
 # --- runs ---------------------------------------------------------------------------------------
