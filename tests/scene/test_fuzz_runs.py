@@ -21,6 +21,7 @@ from harness.scene.load import load_scene
 from harness.scene.model import Biaxial, Couette
 from harness.scene.resolve import known_system, resolve_biaxial, resolve_couette
 from reference.kernel.deck import read_deck
+from reference.kernel.late_springs import LateSprings, late_families
 from reference.kernel.output import contact_table, particle_table, wall_table
 from reference.kernel.program.simulation import fastest
 from reference.kernel.simulation import KernelUnstable, Simulation
@@ -295,7 +296,7 @@ def run_a_little(folder, kernel):
     try:
         simulation = fastest(model) if kernel != "textbook" else Simulation(model)
         steps = min(plan.steps, MOST_STEPS if kernel != "textbook" else MOST_STEPS // 3)
-        simulation.advance(steps)
+        watched_advance(simulation, steps)
         assert finite(particle_table(simulation)), "a particle's number is not finite"
         assert np.isfinite(simulation.state.wall_force).all(), "a wall's force is not finite"
         if model.walls:
@@ -304,6 +305,16 @@ def run_a_little(folder, kernel):
     except KernelUnstable as reason:
         return "stopped" if str(reason).isprintable() else pytest.fail("a reason that is no plain line")
     return "ran"
+
+
+def watched_advance(simulation, steps):
+    """Make the steps, and the looks at springs that are felt late, as the command does, if there are any."""
+    watch = LateSprings(simulation.model, steps) if late_families(simulation.model) else None
+    while watch is not None and watch.next_look is not None:
+        simulation.advance(watch.next_look - simulation.state.step)
+        watch.look(simulation)
+        assert np.isfinite(watch.exponent).all(), "what swings could have grown by is not finite"
+    simulation.advance(steps - simulation.state.step)
 
 
 def understood(scenes, data):
