@@ -14,9 +14,9 @@ from pathlib import Path
 from reference.kernel.checkpoint import CHECKPOINT, EVERY, OWNER, read_checkpoint, write_checkpoint
 from reference.kernel.deck import Plan, read_deck
 from reference.kernel.guards import KernelUnstable, refuse_late_springs
-from reference.kernel.late_springs import LateSprings, late_families
 from reference.kernel.output import SERIES, FramesWriter, SeriesWriter
 from reference.kernel.program.simulation import ProgramSimulation, fastest
+from reference.kernel.watches import Watches
 
 UNSTABLE = 3
 
@@ -44,7 +44,7 @@ class _Run:
     def __init__(self, folder: Path):
         self.folder, self._clock, self.resumed_at = folder, _Clock(), None
         self._model, self._plan = read_deck(folder)
-        self._late = LateSprings(self._model, self._plan.steps) if late_families(self._model) else None
+        self._watches = Watches(self._model, self._plan.steps)
         self._found = read_checkpoint(folder)
         length, part = (None, 0) if self._found is None else (int(self._found[1][n]) for n in ("series", "part"))
         self._series = SeriesWriter(folder / SERIES, self._model, length=length)
@@ -57,8 +57,7 @@ class _Run:
         if self._found is not None:
             state, outputs = self._found
             self._simulation.take(state)
-            if self._late is not None:
-                self._late.take(state)
+            self._watches.take(state)
             self.resumed_at = self._simulation.walls.step
             self._clock.add({n.removeprefix("cpu_"): v for n, v in outputs.items() if n.startswith("cpu_")})
         self._clock.lap("setup")
@@ -74,11 +73,11 @@ class _Run:
         (self.folder / CHECKPOINT).unlink(missing_ok=True)
 
     def _advance_to(self, step: int) -> None:
-        """Make the steps up to `step`; on the way look at springs that are felt late, if there are any."""
-        while self._late is not None and self._late.next_look is not None and self._late.next_look <= step:
-            self._simulation.advance(self._late.next_look - self._now)
-            self._now = self._late.next_look
-            self._late.look(self._simulation)
+        """Make the steps up to `step`; on the way the watches look."""
+        while (look := self._watches.next_look) is not None and look <= step:
+            self._simulation.advance(look - self._now)
+            self._now = look
+            self._watches.look(self._simulation)
         self._simulation.advance(step - self._now)
         self._now = step
 
@@ -92,8 +91,7 @@ class _Run:
         if self._clock.since_mark >= EVERY and isinstance(simulation, ProgramSimulation):
             cpu = {f"cpu_{phase}": seconds for phase, seconds in self._clock.laps.items()}
             length, part = self._series.flushed_length(), self._frames.next_part()
-            late = {} if self._late is None else self._late.kept()
-            write_checkpoint(self.folder, simulation, late, series=length, part=part, **cpu)
+            write_checkpoint(self.folder, simulation, self._watches.kept(), series=length, part=part, **cpu)
             self._clock.mark()
 
     def report(self) -> dict:
@@ -103,7 +101,7 @@ class _Run:
             "finished": True, "steps": simulation.state.step, "rebuilds": simulation.rebuilds,
             "timings": self._clock.laps,
         }
-        warning = None if self._late is None else self._late.warning()
+        warning = self._watches.warning()
         report |= {} if warning is None else {"warning": warning}
         return report | ({"resumed_at": self.resumed_at} if self.resumed_at is not None else {})
 

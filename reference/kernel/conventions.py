@@ -96,5 +96,8 @@ those of the step's end, as the normal is."""
 CONVENTIONS = {c.name: c for c in (LAMMPS, LIGGGHTS, TALK)}
 """What codes and talks do."""
 
+CODES = (LAMMPS.name, LIGGGHTS.name)
+"""Conventions that do as a code does, whatever comes of it."""
+
 NAMED = CONVENTIONS | {CORRECTED.name: CORRECTED}
 """All that a deck can name."""

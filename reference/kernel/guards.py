@@ -105,6 +105,11 @@ def own_spring(law: Law | None, family: str) -> tuple[float, float]:
     return tuple(getattr(law, f"{FAMILIES[family]}_{name}", 0.0) for name in ("stiffness", "damping"))
 
 
+def friction_of(law: Law, family: str) -> float:
+    """Return the coefficient of friction of a law, (-)."""
+    return getattr(law, f"{FAMILIES[family]}_friction")
+
+
 def refuse_late_springs(model: Model, steps: int) -> None:
     """Raise KernelUnstable if springs that are felt a step late could make energy within so many steps."""
     for family in FAMILIES:

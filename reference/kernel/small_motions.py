@@ -19,7 +19,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from reference.kernel.guards import FAMILIES
+from reference.kernel.guards import FAMILIES, friction_of
 from reference.kernel.interactions import Forces, Interaction, summed
 from reference.kernel.laws.contact import Touching
 from reference.kernel.model import Model
@@ -121,7 +121,7 @@ def _sticks(interaction: Interaction, forces: Forces, family: str) -> np.ndarray
     c, memory = forces.contact, forces.memory.get(family)
     if family == "sliding" and memory is not None and len(memory) > len(c.n):
         return memory[-1] == 0.0
-    friction = getattr(getattr(interaction, family), f"{FAMILIES[family]}_friction")
+    friction = friction_of(getattr(interaction, family), family)
     limit = friction * interaction.pressing(c, forces.f_n, forces.elastic).base
     return _CARRIED[family](c, forces) < (1 - AT_LIMIT) * limit
 

@@ -21,10 +21,10 @@ from harness.scene.load import load_scene
 from harness.scene.model import Biaxial, Couette
 from harness.scene.resolve import known_system, resolve_biaxial, resolve_couette
 from reference.kernel.deck import read_deck
-from reference.kernel.late_springs import LateSprings, late_families
 from reference.kernel.output import contact_table, particle_table, wall_table
 from reference.kernel.program.simulation import fastest
 from reference.kernel.simulation import KernelUnstable, Simulation
+from reference.kernel.watches import Watches
 
 MOST_STEPS = 24
 """Of the program kernel; the textbook makes a third of them."""
@@ -308,12 +308,12 @@ def run_a_little(folder, kernel):
 
 
 def watched_advance(simulation, steps):
-    """Make the steps, and the looks at springs that are felt late, as the command does, if there are any."""
-    watch = LateSprings(simulation.model, steps) if late_families(simulation.model) else None
-    while watch is not None and watch.next_look is not None:
-        simulation.advance(watch.next_look - simulation.state.step)
-        watch.look(simulation)
-        assert np.isfinite(watch.exponent).all(), "what swings could have grown by is not finite"
+    """Make the steps, and let the watches look, as the command does."""
+    watches = Watches(simulation.model, steps)
+    while (look := watches.next_look) is not None:
+        simulation.advance(look - simulation.state.step)
+        watches.look(simulation)
+        assert finite(watches.kept()), "what a watch found is not finite"
     simulation.advance(steps - simulation.state.step)
 
 

@@ -11,6 +11,7 @@ from reference.kernel.laws.contact import Pressing, Touching
 from reference.kernel.laws.hertz import HertzNormal
 from reference.kernel.laws.law import Memory, SlidingLaw
 from reference.kernel.laws.slider import Slider
+from reference.kernel.vectors import dot
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,6 +49,10 @@ class MindlinSliding(SlidingLaw):
         """Return S_t, (M,) in N/m, and gamma_t, (M,) in kg/s."""
         stiffness = self.normal.shear_stiffness(contact)
         return stiffness, np.broadcast_to(self.normal.shear_damping(contact), stiffness.shape)
+
+    def energy(self, contact: Touching, memory: np.ndarray) -> np.ndarray:
+        """Return S_t xi^2/2, (M,), in J: no potential, but what slip at the overlap of now gives back."""
+        return 0.5 * self.normal.shear_stiffness(contact) * dot(memory, memory)
 
     def force(
         self, contact: Touching, pressing: Pressing, memory: Memory, dt: float, *, advance: bool
