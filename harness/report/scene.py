@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from itertools import chain
 from pathlib import Path
 
 from harness.engines.registry import ENGINES, USUAL, choose_engines
 from harness.report.expected import expected_comparison, likely_system, refusals, run_seconds
 from harness.report.tables import Answer
 from harness.scene.derived import derive
+from harness.scene.energy import energy_warnings
 from harness.scene.explain import Row, Section, as_json, explain, time_row
 from harness.scene.frontier import step_warnings
 from harness.scene.load import load_scene
@@ -35,8 +37,9 @@ def expected_seconds(system: System) -> dict[str, float]:
 
 
 def _warnings(scene: Scene, system: System | None) -> list[Section]:
-    """Return what of the time step is near a measured limit; nothing is run for it."""
-    rows = [Row(name=what, value="warning", note=why) for what, why in step_warnings(scene, derive(scene, system))]
+    """Return what is known of such time steps and laws; nothing is run for it."""
+    warnings = chain(step_warnings(scene, derive(scene, system)), energy_warnings(scene))
+    rows = [Row(name=what, value="warning", note=why) for what, why in warnings]
     return [("warnings", rows)] if rows else []
 
 
