@@ -11,6 +11,10 @@ if TYPE_CHECKING:
     from harness.studies.frontier.study import Frontier, Frontiers
 
 
+BEYOND = {"": "", "grew": "motions grow", "stopped": "the code breaks off", "refused": "the code does not begin"}
+"""What the smallest unstable step did, in words."""
+
+
 def tables(done: Frontiers) -> dict[str, list[dict]]:
     """Return rows by table name: frontiers of laws and packings, the map, what was left out, the scenes' table."""
     skipped = [dict(zip(("engine", "law", "packing", "why"), row, strict=True)) for row in done.skipped]
@@ -29,8 +33,15 @@ def _row(f: Frontier) -> dict:
         "law": f.law, "packing": f.packing, "engine": f.engine, "particles": f.particles, "contacts": f.contacts,
         "largest step": _over(f.measured, f.unit), "+-": _over(width, f.unit), "exact": _over(f.exact, f.unit),
         "deviation (%)": None if f.deviation is None else 100 * f.deviation, "verdict": f.verdict,
-        "scenes stop at": f.formula / f.unit, "sqrt(m/k) (s)": f.unit, "runs": f.looks, "note": f.fault or f.note,
+        "beyond": BEYOND[f.end], "scenes stop at": f.formula / f.unit, "sqrt(m/k) (s)": f.unit, "runs": f.looks,
+        "note": _note(f),
     }
+
+
+def _note(f: Frontier) -> str:
+    if f.fault or not f.careful:
+        return f.fault or f.note
+    return "the code refuses steps that theory calls stable: more careful, nothing to compare"
 
 
 def _over(step: float | None, unit: float) -> float | None:
@@ -49,7 +60,11 @@ def summary(done: Frontiers) -> str:
     if never:
         words.append(f"{never} without any stable step")
     if refused:
-        words.append(f"{refused} refused at every step")
+        right = sum(f.refused and f.exact == 0.0 for f in done.found)
+        words.append(f"{refused} refused at every step" + (f", {right} of them as theory has it" if right else ""))
+    careful = sum(f.careful and not f.refused for f in done.found)
+    if careful:
+        words.append(f"{careful} refused below the limit of theory, and not compared")
     least = [f.measured / f.formula for f in done.found if f.measured and not felt_late(f.engine, f.system)]
     if least:
         words.append(f"measured over the formula that scenes are refused by: {min(least):.3g} to {max(least):.3g}")

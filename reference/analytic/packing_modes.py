@@ -169,7 +169,9 @@ class Packing:
         if self.late is None:
             return _step_of(k, c)
         limit = _step_of(k - 2 * self._scaled(self._matrix(self.late)), c)
-        return limit if self._dashpots_hold(limit) else self._largest_late_step(_step_of(k, c))
+        if self._dashpots_hold(limit):
+            return limit
+        return self._largest_late_step(limit if math.isfinite(limit) else _step_of(k, c))
 
     def _dashpots_hold(self, step: float) -> bool:
         """Whether C - dt K_l >= 0 contact by contact."""

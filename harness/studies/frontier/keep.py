@@ -14,17 +14,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from harness.runs.sealed import read_sealed, write_sealed
-from harness.studies.frontier import probe
+from harness.studies.frontier import late, probe
 from harness.studies.frontier.probe import Look
 
 if TYPE_CHECKING:
     from harness.studies.frontier.search import Search, Wanted
 
-SCHEMA = 1
+SCHEMA = 2
 """Of these files and of what a search does: raise it when either changes."""
 
 PROBE = {name: getattr(probe, name) for name in ("FRAMES", "AMPLITUDE", "GROWN", "SEED")}
-"""What a look does besides its number of steps."""
+LATE = {name: getattr(late, name) for name in ("VISIBLE", "LATE_STEPS", "NEAR")}
+"""What a look does besides its number of steps, and what decides that where springs are felt late."""
 
 
 @dataclass(kw_only=True)
@@ -42,7 +43,8 @@ class Kept:
             self._versions[name] = wanted.engine.probe().version
         told = {
             "engine": name, "version": self._versions[name], "system": wanted.rest.digest(), "guess": wanted.guess,
-            "steps": wanted.steps, "precision": precision, "probe": PROBE, "schema": SCHEMA,
+            "steps": wanted.steps if wanted.steps_at is None else LATE, "precision": precision, "probe": PROBE,
+            "schema": SCHEMA,
         }
         return self.folder / f"{_sha256(told)[:16]}.json"
 

@@ -17,6 +17,7 @@ from harness.scene.contact import (
     MindlinSliding,
     SpringRolling,
     SpringSliding,
+    SpringTorsion,
     ViscousSliding,
 )
 from reference.analytic.hertz_collision import HertzCollision, damping_factor_for_restitution
@@ -102,6 +103,30 @@ ROLLING = LawCase(
         rolling=SpringRolling(rolling_friction=GRIP, rolling_stiffness=STIFFNESS, rolling_damping=0.0),
     ),
 )
+ROLLING_DASHPOT = LawCase(
+    name="friction, rolling spring, dashpots",
+    contact=Contact(
+        normal=linear(damping=0.3), sliding=spring(damping=0.15),
+        rolling=SpringRolling(rolling_friction=1.0, rolling_stiffness=STIFFNESS, rolling_damping=dashpot(1.0)),
+    ),
+)
+"""So much of a dashpot that the talks' algorithm, which feels the spring late, has a stable step. LIGGGHTS takes
+stiffnesses of k_n mu_r^2 and more only."""
+
+TORSION = LawCase(
+    name="torsion spring",
+    contact=Contact(
+        normal=linear(damping=0.1), sliding=spring(damping=0.1),
+        torsion=SpringTorsion(torsion_friction=GRIP, torsion_stiffness=STIFFNESS, torsion_damping=0.0),
+    ),
+)
+TORSION_DASHPOT = LawCase(
+    name="friction, torsion spring, dashpots",
+    contact=Contact(
+        normal=linear(damping=0.3), sliding=spring(damping=0.15),
+        torsion=SpringTorsion(torsion_friction=GRIP, torsion_stiffness=STIFFNESS, torsion_damping=dashpot(1.0)),
+    ),
+)
 HERTZ = LawCase(name="hertz", contact=Contact(normal=hertz(1.0)))
 MINDLIN = LawCase(
     name="hertz, mindlin", contact=Contact(normal=hertz(0.7), sliding=MindlinSliding(shear_friction=GRIP))
@@ -114,4 +139,5 @@ HYSTERETIC = LawCase(
 )
 
 QUICK = (ELASTIC, DASHPOT, FRICTION, WEAK, FULL)
-WHOLE = (*QUICK, VISCOUS, ROLLING, HERTZ, MINDLIN, HYSTERETIC)
+RARE = (VISCOUS, ROLLING, HERTZ, MINDLIN, HYSTERETIC)
+WHOLE = (*QUICK, *RARE, ROLLING_DASHPOT, TORSION, TORSION_DASHPOT)

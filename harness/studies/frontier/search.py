@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from harness.runs.outcome import usable_cores
 from harness.scene.system import System
@@ -32,6 +32,9 @@ LOWEST, HIGHEST = 0.1, 8.0
 REFUSED, BEFORE_A_STEP = "refused", "step 0:"
 """Word for an engine that does not begin at all, and what its reasons say then."""
 
+End = Literal["", "grew", "stopped", "refused"]
+"""Of the smallest unstable step: motions grew, the code broke off on the way, or it did not begin."""
+
 LOOKS = 5
 """That a search takes, about (measured: 5.1 on the mean of 36)."""
 
@@ -57,6 +60,14 @@ class Search:
     def unstable(self) -> float | None:
         """Smallest step that was seen to be unstable, s."""
         return min((x.dt for x in self.looks if x.seen == "unstable"), default=None)
+
+    @property
+    def end(self) -> End:
+        """What the smallest unstable step did, "" if there is none."""
+        first = min((x for x in self.looks if x.seen == "unstable"), key=lambda x: x.dt, default=None)
+        if first is None:
+            return ""
+        return "refused" if BEFORE_A_STEP in first.reason else "stopped" if first.reason else "grew"
 
     @property
     def fault(self) -> str:
@@ -107,13 +118,21 @@ class Search:
 
 @dataclass(frozen=True, kw_only=True)
 class Wanted:
-    """A frontier to be searched for: a system at rest, the engine, and where theory expects it, s. steps: of a look."""
+    """A frontier to be searched for: a system at rest, the engine, and where theory expects it, s.
+
+    steps: of a look; with `steps_at`, of the step in s, on the mean.
+    """
 
     label: str
     engine: Engine
     rest: System
     guess: float
     steps: int = STEPS
+    steps_at: Callable[[float], int] | None = None
+
+    def disturbed(self, dt: float) -> System:
+        """Return what a look at a step of dt, s, runs."""
+        return disturbed(self.rest, dt, self.steps if self.steps_at is None else self.steps_at(dt))
 
     @property
     def seconds(self) -> float:
@@ -162,9 +181,7 @@ def _look_once(
     from harness.studies.frontier.probe import look
 
     steps = {k: searches[k].next_step() for k in chosen}
-    jobs = [
-        (wanted[k].label, wanted[k].engine, disturbed(wanted[k].rest, steps[k], wanted[k].steps)) for k in chosen
-    ]
+    jobs = [(wanted[k].label, wanted[k].engine, wanted[k].disturbed(steps[k])) for k in chosen]
     made = run_many(jobs, root, time_limit=time_limit, workers=workers, native="drop")
     for k, done in zip(chosen, made, strict=True):
         searches[k].tell(look(done, steps[k]))

@@ -32,6 +32,10 @@ UNKNOWN = ("kernel:corrected",)
 """Engines with another scheme than the leapfrog: their limit is measured, not derived."""
 
 
+TOLERANCE = 0.02
+"""Measured and exact limits may differ by so much of the exact one where motions are linear: two brackets' widths."""
+
+
 class NoTheory(Exception):
     """The law has no constant springs about a state at rest; the message says why."""
 
@@ -56,7 +60,9 @@ def felt_late(engine: str, rest: System) -> bool:
     Beyond the limit the kernel stops by itself: it does not begin (`reference.kernel.guards`), or ends the run once
     swings have grown (`reference.kernel.late_springs`). What grows without these guards is measured in its tests.
     """
-    springs = ((rest.sliding, "shear_stiffness"), (rest.rolling, "rolling_stiffness"))
+    springs = (
+        (rest.sliding, "shear_stiffness"), (rest.rolling, "rolling_stiffness"), (rest.torsion, "torsion_stiffness"),
+    )
     own = any(hasattr(law, name) for law, name in springs)
     return scheme(engine) == "late" and (own or isinstance(rest.sliding, MindlinSliding))
 

@@ -201,7 +201,7 @@ def test_late_springs_need_a_dashpot(pair):
     assert damped.largest_step() == pytest.approx(0.1 / 0.5, rel=2e-3)
 
 
-@pytest.mark.parametrize("damping", [0.02, 0.3, 1.0])
+@pytest.mark.parametrize("damping", [0.02, 0.1, 0.15, 0.2, 0.25, 0.3, 1.0])
 def test_late_springs_of_a_packing_against_all_eigenvalues(damping):
     rng = np.random.default_rng(8)
     x, _, c = random_packing(rng, 2)

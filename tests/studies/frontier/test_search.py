@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import pytest
 
+from harness.report.frontier_tables import _row
 from harness.studies.frontier.probe import Look
 from harness.studies.frontier.search import HIGHEST, LOWEST, Search
 from harness.studies.frontier.study import Frontier
@@ -54,14 +55,38 @@ def test_a_code_that_does_not_begin_was_not_measured():
     assert (found.measured, found.deviation, found.verdict) == (None, None, "not_checked")
     agreed = replace(found, exact=0.0)
     assert (agreed.measured, agreed.deviation, agreed.verdict) == (0.0, 0.0, "agrees")
-    assert replace(found, fault="unstable at every step down to 0.1 of the guess").verdict == "differs"
+    assert replace(found, fault="unstable at every step down to 0.1 of the guess", end="grew").verdict == "differs"
 
 
 def frontier(**facts):
     return Frontier(
         engine="kernel:talk", law="rolling spring", packing="lattice", system=None, particles=2, contacts=1, unit=1.0,
-        formula=1.0, linear=True, note="", stable=None, looks=6, **facts,
+        formula=1.0, linear=True, note="", **{"stable": None, "looks": 6, "end": "refused"} | facts,
     )
+
+
+def test_a_refusal_below_the_limit_is_no_measurement():
+    """A code that is more careful than theory: nothing was seen to grow. Beyond the limit it counts."""
+    careful = frontier(exact=1.0, fault="", stable=0.98, unstable=0.99)
+    assert (careful.deviation, careful.verdict) == (None, "not_checked")
+    assert "more careful" in _row(careful)["note"]
+    assert replace(careful, end="grew").verdict == "agrees"
+    assert replace(careful, stable=0.9, unstable=0.91, end="stopped").verdict == "differs"
+    beyond = replace(careful, stable=1.001, unstable=1.009)
+    assert beyond.verdict == "agrees"
+    assert replace(careful, stable=1.1, unstable=1.11).verdict == "differs"
+
+
+@pytest.mark.parametrize(("reason", "end"), [
+    ("", "grew"), ("unstable: step 0: felt a step late", "refused"), ("crashed: lost atoms", "stopped"),
+])
+def test_how_the_smallest_unstable_step_ended(reason, end):
+    search = Search(guess=1.0)
+    assert search.end == ""
+    search.tell(Look(dt=1.1, seen="unstable", energy=math.inf, reason="crashed: far beyond"))
+    search.tell(Look(dt=1.03, seen="unstable", energy=9.0, reason=reason))
+    search.tell(Look(dt=0.97, seen="stable", energy=1.0))
+    assert search.end == end
 
 
 def test_a_code_that_is_always_stable():

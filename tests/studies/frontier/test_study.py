@@ -15,21 +15,16 @@ from harness.report.frontier import frontier_answer, write_frontier, write_scene
 from harness.report.frontier_expected import announcement, likely
 from harness.report.frontier_tables import summary
 from harness.runs.outcome import host_facts
+from harness.runs.pool import run_many
 from harness.runs.progress import Silent
 from harness.studies.frontier import frontiers, laws, packings
 from harness.studies.frontier import search as search_module
 from harness.studies.frontier.keep import Kept
 from harness.studies.frontier.packings import resting_system
-from harness.studies.frontier.probe import Look, growth
+from harness.studies.frontier.plan import EVERY, frontier_cases, late_packings, planned, wanted_of
+from harness.studies.frontier.probe import Look, disturbed, growth, look
 from harness.studies.frontier.search import Search, Wanted, search_all
-from harness.studies.frontier.study import (
-    Frontiers,
-    _planned,
-    frontier_cases,
-    late_packings,
-    measured_frontier,
-    wanted_of,
-)
+from harness.studies.frontier.study import Frontiers, measured_frontier
 from harness.studies.frontier.summary import scene_rows
 from harness.studies.frontier.theory import theory_of
 from postproc.snapshot import Columns, Snapshot
@@ -167,10 +162,11 @@ def test_names_follow_from_what_decides(wanted, place):
     kept = Kept(folder=place[0])
     names = {kept.place(w, p) for w, p in (
         (wanted, 0.01), (wanted, 0.02), (replace(wanted, guess=2 * wanted.guess), 0.01),
-        (replace(wanted, steps=100), 0.01), (replace(wanted, engine=find_engine("kernel:lammps")), 0.01),
+        (replace(wanted, steps=100), 0.01), (replace(wanted, steps_at=lambda dt: 100), 0.01),
+        (replace(wanted, engine=find_engine("kernel:lammps")), 0.01),
         (replace(wanted, rest=wanted.rest.with_(gravity=(0.0, -1.0))), 0.01),
     )}
-    assert len(names) == 6
+    assert len(names) == 7
     assert kept.place(replace(wanted, label="another"), 0.01) in names
 
 
@@ -206,20 +202,48 @@ def test_an_interrupt_keeps_what_was_found(wanted, tmp_path, monkeypatch):
 def test_the_expected_time_is_said_before_anything_is_made(monkeypatch):
     monkeypatch.setattr("harness.packing.make.make_packing", lambda *_, **__: pytest.fail("a packing was made"))
     quick, full = (announcement(full=full, engines=["kernel:talk"], workers=1) for full in (False, True))
-    assert re.match(r"expected: about [\d.]+ (s|min) for \d+ frontiers of about 5 runs each, on idle cores; ", quick)
+    assert re.match(r"expected: about [\d.]+ (s|min) for \d+ frontiers of about 5 runs each, on idle cores, \d+ s "
+                    r"of it for packings and exact limits; ", quick)
     assert re.search(r"about [\d.]+ min for (\d+) frontiers", full)
 
 
-def test_the_expected_number_is_that_of_the_plan(tmp_path):
-    plan, _ = _planned(
-        frontier_cases(full=False)[:9], [find_engine("kernel:talk")], tmp_path, late_packings(full=False), Silent()
+def test_the_expected_number_is_that_of_the_plan(tmp_path, monkeypatch):
+    """On the square lattice, which buckles without friction: what is left out is not counted."""
+    buckling = (laws.ELASTIC, laws.DASHPOT, laws.VISCOUS, laws.HERTZ, laws.HYSTERETIC)
+    names = {law.name for law in (*buckling, laws.FULL)}
+    cases = [c for c in frontier_cases(full=True) if c.packing is packings.SQUARE and c.law.name in names]
+    engine = find_engine("kernel:talk")
+    plan, skipped = planned(cases, [engine], tmp_path, late_packings(full=True), Silent())
+    monkeypatch.setattr("harness.report.frontier_expected.frontier_cases", lambda *, full: cases)
+    assert " 1 frontiers " in announcement(full=True, engines=[engine.name], workers=1)
+    assert [p.case.law for p in plan] == [laws.FULL]
+    assert {(name, law) for name, law, _, _ in skipped} == {(EVERY, law.name) for law in buckling}
+    assert all("buckles" in why for *_, why in skipped)
+
+
+def test_codes_that_take_few_kinds_of_discs_are_told_from_the_stand_in():
+    """LIGGGHTS has a table of dashpots over kinds; the real packing has a hundred."""
+    case = next(
+        c for c in frontier_cases(full=True)
+        if (c.law.name, c.packing.name) == (laws.ROLLING_DASHPOT.name, packings.RANDOM.name)
     )
-    told = [
-        e for c in frontier_cases(full=False)[:9]
-        for e in wanted_of(c, resting_system(c.packing, likely(c.packing), c.law), [find_engine("kernel:talk")],
-                           late_packings(full=False))[0]
-    ]
-    assert len(plan) == len(told)
+    rest = resting_system(case.packing, likely(case.packing), case.law)
+    if find_engine("liggghts").probe().available:
+        assert wanted_of(case, rest, [find_engine("liggghts")], [])[0] == []
+
+
+def test_a_burst_that_is_over_before_the_end_is_seen(tmp_path):
+    """Beyond its limit an fcc lattice blows up, its contacts slide and open, and dashpots may bring it to rest again.
+
+    That takes some hundred steps: frames are closer, unless the code itself breaks off.
+    """
+    rest = resting_system(packings.FCC, packings.FCC.make(tmp_path), laws.FULL)
+    engine = find_engine("kernel:talk")
+    dt = 1.2 * theory_of(rest, engine.name).exact
+    system = disturbed(rest, dt)
+    assert system.frame_every <= 20
+    (done,) = run_many([("burst", engine, system)], tmp_path / "runs", time_limit=60, workers=1)
+    assert look(done, dt).seen == "unstable"
 
 
 @pytest.mark.parametrize("table", ["/proc/xx/t.toml", "/proc/t.toml", "/proc"])
