@@ -6,7 +6,7 @@ import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from harness.report.accuracy_figure import CAPTION, accuracy_figure
+from harness.report.accuracy_figure import accuracy_figure, caption
 from harness.report.accuracy_tables import tables
 from harness.report.accuracy_words import paragraph
 from harness.report.files import Names, Written, write_files
@@ -25,8 +25,9 @@ BUDGET_NOTE = (
     "steps make the duration, which a rung of few steps feels."
 )
 SLOPE_NOTE = (
-    "p in error ~ dt^p by least squares over the rungs of at least 25 steps a contact whose error is above that of the "
-    "oracle, with one standard error: scatter about the line and phases drawn again."
+    "Slope: the order p in error ~ dt^p by least squares over the rungs of at least 25 steps a contact whose error is "
+    "above five times that of the oracle, at least three of them, with one standard error: scatter about the line and "
+    "phases drawn again. Where there is none, or it is known too badly to be told, the last column says why."
 )
 COST_NOTE = (
     "CPU time of a step: all steps of one rung in a timing session, without set-up and output, median of repeats in "
@@ -74,9 +75,9 @@ def accuracy_data(accuracy: Accuracy) -> dict:
 def write_accuracy(accuracy: Accuracy, out: Path) -> Path:
     """Write accuracy.html, .json, .png, .svg and CSV tables into `out`, each whole or not at all; return the page."""
     return write_files(out, NAMES, Written(
-        title=f"What accuracy costs: {accuracy.scene.title}", lead=f"{summary(accuracy)}.", caption=CAPTION,
+        title=f"What accuracy costs: {accuracy.scene.title}", lead=f"{summary(accuracy)}.", caption=caption(accuracy),
         figure=accuracy_figure(accuracy), tables=tables(accuracy), data=accuracy_data(accuracy),
-        sections=lambda figures: _sections(accuracy, figures),
+        sections=lambda figures: _sections(accuracy, figures, out),
     ))
 
 
@@ -90,7 +91,7 @@ def summary(accuracy: Accuracy) -> str:
     )
 
 
-def _sections(accuracy: Accuracy, figures: tuple[Figure, ...]) -> list[Section]:
+def _sections(accuracy: Accuracy, figures: tuple[Figure, ...], out: Path) -> list[Section]:
     found = tables(accuracy)
     return [
         Section(heading="In words", note=paragraph(accuracy)),
@@ -101,15 +102,16 @@ def _sections(accuracy: Accuracy, figures: tuple[Figure, ...]) -> list[Section]:
         Section(heading="Times", note=COST_NOTE, rows=found["costs"]),
         Section(heading="Oracles", note=ORACLE_NOTE, rows=found["oracles"]),
         Section(heading="All rungs", note=POINT_NOTE, rows=found["points"]),
-        Section(heading="Reproduce", text=_command(accuracy)),
+        Section(heading="Reproduce", text=_command(accuracy, out)),
     ]
 
 
-def _command(accuracy: Accuracy) -> str:
+def _command(accuracy: Accuracy, out: Path) -> str:
     engines = ",".join(dict.fromkeys(t.engine for t in accuracy.tracks))
     ladder = ",".join(f"{v:g}" for v in accuracy.asked.values)
     return shlex.join([
         "grainproof", "accuracy", str(accuracy.scene_file), "--knob", accuracy.asked.knob.name, "--ladder", ladder,
         "--engines", engines, "--quantity", accuracy.asked.quantity, "--phases", str(accuracy.phases),
+        "--out", str(out),
     ])
 

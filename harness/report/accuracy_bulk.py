@@ -111,7 +111,7 @@ def write_bulk(done: BulkAccuracy, out: Path) -> Path:
     return write_files(out, BULK_NAMES, Written(
         title=f"What accuracy costs: {done.scene.title}", lead=f"{bulk_summary(done)}.", caption=BULK_CAPTION,
         figure=bulk_figure(done), tables=bulk_tables(done), data=bulk_data(done),
-        sections=lambda figures: _sections(done, figures),
+        sections=lambda figures: _sections(done, figures, out),
     ))
 
 
@@ -125,7 +125,7 @@ def bulk_summary(done: BulkAccuracy) -> str:
     )
 
 
-def _sections(done: BulkAccuracy, figures: tuple[Figure, ...]) -> list[Section]:
+def _sections(done: BulkAccuracy, figures: tuple[Figure, ...], out: Path) -> list[Section]:
     found = bulk_tables(done)
     return [
         Section(heading="In words", note=bulk_paragraph(done)),
@@ -136,7 +136,7 @@ def _sections(done: BulkAccuracy, figures: tuple[Figure, ...]) -> list[Section]:
         Section(heading="Orders and limits", note=ORDER_NOTE, rows=_of_asked(done, found["orders"])),
         Section(heading="All rungs", note=RUNG_NOTE, rows=found["rungs"]),
         Section(heading="Other quantities", note="As above.", rows=_of_others(done, found["orders"])),
-        Section(heading="Reproduce", text=_command(done)),
+        Section(heading="Reproduce", text=_command(done, out)),
     ]
 
 
@@ -148,10 +148,11 @@ def _of_others(done: BulkAccuracy, rows: list[dict]) -> list[dict]:
     return [r for r in rows if r["quantity"] != done.quantity]
 
 
-def _command(done: BulkAccuracy) -> str:
+def _command(done: BulkAccuracy, out: Path) -> str:
     words = ["grainproof", "accuracy", str(done.scene_file), "--knob", ",".join(done.knobs)]
     if len(done.asked) == 1 and not done.asked[0].knob.words:
         words += ["--ladder", ",".join(f"{v:.12g}" for v in done.asked[0].values)]
     return shlex.join([
         *words, "--engines", ",".join(done.engines), "--quantity", done.quantity, "--packings", str(done.packings),
+        "--out", str(out),
     ])

@@ -103,6 +103,7 @@ def _order_row(done: BulkAccuracy, ladder: Ladder, name: str) -> dict:
     return {
         "knob": ladder.knob.name, "engine": ladder.engine, "quantity": name,
         "order": order.value if order else None, "standard error": order.error if order else None,
+        "no order, because": ladder.orderless.get(name) or None,
         "expected": ladder.knob.expected, "slope of error against time": slope,
         "its standard error": None if slope is None else order.error / price,
         "limit": None if limit is None else mean_of(limit.value),

@@ -6,7 +6,15 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from harness.engines.protocol import Engine, takes
-from harness.report.expected import Expected, likely_system, longest_first, packing_seconds, run_seconds
+from harness.engines.registry import find_engine
+from harness.report.expected import (
+    REPORT_SECONDS,
+    Expected,
+    likely_system,
+    longest_first,
+    packing_seconds,
+    run_seconds,
+)
 from harness.runs.outcome import usable_cores
 from harness.scene.explain import time_row
 from harness.scene.load import load_scene
@@ -15,12 +23,19 @@ from harness.scene.system import System
 from harness.studies.accuracy.asked import Asked
 from harness.studies.accuracy.bulk import bulk_engines, packing_count
 from harness.studies.accuracy.bulk_plan import Setting, bare_settings
-from harness.studies.accuracy.steps import ladders
+from harness.studies.accuracy.cost import REPEATS
+from harness.studies.accuracy.oracle import FINER, ROUND_OFF_STEP, solved_by_events
+from harness.studies.accuracy.steps import Ladder, Ladders, ladders, oracle_plan, timed_rung
 from harness.studies.accuracy.study import checked, chosen_engines, phase_count
 from harness.studies.accuracy.turn import stepped_system
 
 OWN = ("own", 0.0)
 """The setting that all knobs share."""
+
+EVENTS_SECONDS = 0.1
+"""An oracle that is solved by events (measured: 0.04 to 0.4 s)."""
+TEXTBOOK_SECONDS = 3e-4
+"""A step of the textbook evaluation, in double or extended precision (measured: 220 to 380 us for 2 to 10 bodies)."""
 
 
 def announcement(
@@ -34,27 +49,46 @@ def announcement(
     )
     if isinstance(scene, Free):
         able = chosen_engines(engines, wanted[0])
-        expected = expected_free(scene, scene_file, wanted[0], able, phases=phase_count(phases), workers=workers)
-        more = "; oracles and timing come on top"
+        cases = ladders(scene, scene_file, wanted[0].values, phase_count(phases))
+        expected = expected_climb(cases, able, workers=workers)
     else:
         expected = expected_bulk(
             scene, scene_file, wanted, bulk_engines(engines, wanted), packings=packing_count(scene, packings),
             workers=workers,
         )
-        more = ""
-    row = time_row("accuracy", expected.seconds, expected.says + more)
+    row = time_row("accuracy", expected.seconds, expected.says)
     return f"expected: about {row.text} for {row.note}"
 
 
-def expected_free(
-    scene: Free, file: Path, wanted: Asked, engines: Sequence[Engine], *, phases: int, workers: int | None = None
-) -> Expected:
-    """Return what all rungs of a free scene take, phases side by side, without oracles and timing sessions."""
-    cases = ladders(scene, file, wanted.values, phases).cases
+def expected_climb(cases: Ladders, engines: Sequence[Engine], *, workers: int | None = None) -> Expected:
+    """Return what oracles, all rungs with their phases side by side, and timing sessions take."""
     able = [e for e in engines if e.probe().available]
-    costs = [run_seconds(e, p.system) for c in cases for p in c.phased for e in able if takes(e, p.system)]
-    at_once = max(1, min(workers or usable_cores(), len(costs)))
-    return Expected(seconds=longest_first(costs, at_once), runs=len(costs), packings=0, at_once=at_once)
+    costs = [run_seconds(e, p.system) for c in cases.cases for p in c.phased for e in able if takes(e, p.system)]
+    oracles = [oracle_seconds(cases, c) for c, _ in oracle_plan(cases, able)]
+    most = workers or usable_cores()
+    at_once = max(1, min(most, len(costs)))
+    seconds = longest_first(costs, at_once) + longest_first(oracles, max(1, min(most, len(oracles))))
+    return Expected(
+        seconds=seconds + sum(_session_seconds(e, c) for c in cases.cases for e in able) + REPORT_SECONDS,
+        runs=len(costs), packings=0, at_once=at_once,
+        beside=f"besides {len(oracles)} oracle{'s' * (len(oracles) != 1)} and timing",
+    )
+
+
+def oracle_seconds(cases: Ladders, of: Ladder) -> float:
+    """Return what an oracle of a case takes: solved by events, or steps of the second-order kernel (`oracle`)."""
+    if solved_by_events(of.plain):
+        return EVENTS_SECONDS
+    duration, step = of.plain.dt * of.plain.steps, cases.finest_step(of)
+    fine = (1.5 * FINER + 1.0) * duration / step
+    precise = 2.0 * duration / (ROUND_OFF_STEP * cases.contact_time)
+    return 1e-6 * find_engine("kernel:corrected").microseconds_per_step(of.plain) * fine + TEXTBOOK_SECONDS * precise
+
+
+def _session_seconds(engine: Engine, of: Ladder) -> float:
+    """Return what timing an engine takes, that builds its system and makes all steps of one rung, REPEATS times."""
+    system = of.phased[timed_rung(of)].system
+    return REPEATS * run_seconds(engine, system) if takes(engine, system) else 0.0
 
 
 def expected_bulk(

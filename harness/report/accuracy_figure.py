@@ -18,12 +18,31 @@ WORDS = {"exit": "error of velocity and spin", "velocity": "error of the velocit
 MARKERS = ("o", "s", "^", "D", "v", "P")
 
 CAPTION = (
+    "A column a case: the scene as declared, and without friction or dashpots, on which the order of a scheme depends. "
     "Error of what bodies leave with, over the speed of the impact: rms over the phases of the step in which contacts "
     "begin, bars from the 10 to the 90 per cent quantile. Above against CPU time for the same physical time, set-up "
-    "and output left out, the front of the best settings in grey; below against steps a contact, with fitted slopes. "
-    "Crosses at the top: rungs without an answer. Hollow: steps beyond the scene's stability limit (dash-dotted), "
-    "which `scene` refuses; they are not on the front. Grey band: how far the limits of the codes' laws are apart."
+    "and output left out, the front of the best settings in grey; below against steps a contact"
 )
+FITTED = ", with fitted slopes (dashed; the legend has the order and its standard error)."
+NOT_FITTED = "; no slope is fitted, for the reasons in the table Orders."
+DOTTED = " Dotted: the errors of the budget."
+FAILED = " Crosses at the top: rungs without an answer."
+BEYOND = (
+    " Hollow: steps beyond the scene's stability limit (dash-dotted), which `scene` refuses; they are not on the front."
+)
+PARTED = " Grey band: how far the limits of the codes' laws are apart."
+
+
+def caption(accuracy: Accuracy) -> str:
+    """Return what the figure shows; marks that are not drawn are not told of."""
+    quantity, points = accuracy.asked.quantity, [p for t in accuracy.tracks for p in t.points]
+    fitted = any(t.fits.get(quantity) for t in accuracy.tracks)
+    parted = any(t.parted.get(quantity, 0.0) > 0.0 for t in accuracy.tracks)
+    more = [
+        FAILED if any(not p.good for p in points) else "", BEYOND if any(p.beyond is not None for p in points) else "",
+        PARTED if parted else "",
+    ]
+    return f"{CAPTION}{FITTED if fitted else NOT_FITTED}{DOTTED}{''.join(more)}"
 
 
 def accuracy_figure(accuracy: Accuracy):

@@ -7,11 +7,15 @@ from typing import TYPE_CHECKING
 from harness.studies.accuracy.result import TARGETS, best, cheapest, front
 
 if TYPE_CHECKING:
+    from harness.studies.accuracy.fit import Fit
     from harness.studies.accuracy.result import Point, Track
     from harness.studies.accuracy.study import Accuracy
 
 BEYOND = "beyond the scene's limit of"
 """Column of the largest dt_fraction that the scene takes; empty for rungs that keep to it."""
+
+VAGUE = 0.25
+"""Standard error of an order beyond which it tells first from second order no more."""
 
 NOT_SYMPLECTIC = "energy drifts over many collisions without damping"
 """What the second-order scheme gives up."""
@@ -72,12 +76,24 @@ def gives_up(track: Track, point: Point) -> str:
 
 
 def slope_rows(accuracy: Accuracy) -> list[dict]:
-    """One row a case, engine and quantity: p in error ~ dt^p with its standard error."""
+    """One row a case, engine and quantity: p in error ~ dt^p with its standard error, or why there is none."""
     return [
         {"case": t.case, "engine": t.engine, "quantity": q, "slope": fit.slope if fit else None,
-         "standard error": fit.error if fit else None, "rungs": fit.rungs if fit else 0}
+         "standard error": fit.error if fit else None, "rungs": fit.rungs if fit else None,
+         "why": _why(t, q, fit)}
         for t in accuracy.tracks for q, fit in t.fits.items()
     ]
+
+
+def _why(track: Track, quantity: str, fit: Fit | None) -> str:
+    """Say why there is no order, or why one tells little; "" of one that is known."""
+    if fit is None:
+        return f"no order: {track.why_no_fit(quantity)}"
+    if fit.error <= VAGUE:
+        return ""
+    sizes = [p.size(quantity) for p in track.known(quantity) if p.resolved]
+    bends = ", as the error does not fall from rung to rung" if sizes != sorted(sizes, reverse=True) else ""
+    return f"standard error above {VAGUE:g}{bends}: first and second order cannot be told apart"
 
 
 def front_rows(accuracy: Accuracy) -> list[dict]:

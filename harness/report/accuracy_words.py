@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from harness.report.accuracy_tables import is_own, percent
+from harness.report.accuracy_tables import VAGUE, is_own, percent
 from harness.studies.accuracy.result import TARGETS, best
 
 if TYPE_CHECKING:
@@ -14,9 +14,6 @@ if TYPE_CHECKING:
     from harness.studies.accuracy.study import Accuracy
 
 FINEST = TARGETS[-1]
-
-VAGUE = 0.25
-"""Standard error of an order beyond which it tells first from second order no more; the table shows it all the same."""
 
 
 def paragraph(accuracy: Accuracy) -> str:
@@ -31,14 +28,15 @@ def paragraph(accuracy: Accuracy) -> str:
 
 def _slopes(accuracy: Accuracy, case: str) -> str:
     quantity = accuracy.asked.quantity
-    fits = {t.engine: fit for t in accuracy.tracks if t.case == case and (fit := t.fits.get(quantity))}
-    vague = [engine for engine, fit in fits.items() if fit.error > VAGUE]
-    fits = {engine: fit for engine, fit in fits.items() if engine not in vague}
-    if not fits:
-        return ""
-    told = ", ".join(f"{fit} ({', '.join(engines)})" for fit, engines in _alike(fits).items())
+    tracks = {t.engine: t for t in accuracy.tracks if t.case == case and t.known(quantity)}
+    fits = {e: fit for e, t in tracks.items() if (fit := t.fits.get(quantity)) and fit.error <= VAGUE}
     where = "The scene as declared" if case == accuracy.cases[0] else f"The scene {case}"
-    return f"{where}: halving the step divides the error by 2^p, p = {told}."
+    if not fits:
+        return f"{where}: no order can be told, for the reasons in the table Orders."
+    told = ", ".join(f"{fit} ({', '.join(engines)})" for fit, engines in _alike(fits).items())
+    others = ", ".join(e for e in tracks if e not in fits)
+    untold = f"; of {others} it cannot be told, for the reasons in the table Orders" if others else ""
+    return f"{where}: halving the step divides the error by 2^p, p = {told}{untold}."
 
 
 def _alike(fits: dict[str, Fit]) -> dict[str, list[str]]:

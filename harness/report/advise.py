@@ -31,7 +31,13 @@ NAMES = Names(stem="advice", tables=TABLES, further=(SCENE, *(f"{t}.csv" for t i
 HEADINGS = {"advice": "What to take", "sum": "What it comes to", "ladders": "What was measured"}
 NOTES = {
     "advice": "Errors against the limit of each knob's own ladder, over the quantity's size. Measured: that rung was "
-    "run. Extrapolated: it follows from others by the stated power. Kept: nothing is known, so nothing is turned.",
+    "run. Extrapolated: it follows from others by the stated power. Not measured: nothing is known, so "
+    "nothing is turned.",
+    "advice_free": "Errors against the oracle, over the largest relative speed at the start. Measured: that rung was "
+    "run. Extrapolated: it follows from others by the stated power. Not measured: nothing is known, so nothing is "
+    "turned.",
+    "sum_free": "Expected error: what is seen, and the noise. Seen are errors of more than two standard errors, added "
+    "up as if all had one sign; the other errors, and all standard errors, are noise, in quadrature.",
     "sum": f"{COMBINED} Scatter of one packing: that of all sizes together where the number of particles was turned, "
     "else that of the scene as declared; over the limit of that ladder.",
     "ladders": "All rungs of the engine of the answer.",
@@ -95,24 +101,29 @@ def write_advice(advice: Advice, out: Path, verification: Verification | None = 
         title=f"Advice: {advice.evidence.scene.title}", lead=_lead(advice),
         caption=caption(verification), figure=advise_figure(advice, verification),
         tables=_tables(advice, verification), data=advise_data(advice, verification),
-        sections=lambda figures: _sections(advice, figures, text, verification),
+        sections=lambda figures: _sections(advice, figures, text, verification, out),
     ))
 
 
 def _sections(
-    advice: Advice, figures: tuple[Figure, ...], text: str, verification: Verification | None
+    advice: Advice, figures: tuple[Figure, ...], text: str, verification: Verification | None, out: Path
 ) -> list[Section]:
     found, said = tables(advice), [paragraph(advice), *([verification_line(verification)] if verification else [])]
     scene = [Section(heading="The advised scene", note=f"Written as {SCENE}.", text=text)] if text else []
     return [
         Section(heading="In words", note=" ".join(said)),
-        *(Section(heading=HEADINGS[n], note=NOTES[n], rows=found[n]) for n in ("advice", "sum") if found[n]),
+        *(Section(heading=HEADINGS[n], note=_note(advice, n), rows=found[n]) for n in ("advice", "sum") if found[n]),
         *(verification_sections(verification) if verification is not None else ()),
         Section(heading="Ladders", figures=figures),
         *(Section(heading=HEADINGS[n], note=NOTES[n], rows=found[n]) for n in ("ladders",) if found[n]),
         Section(heading="What this does not know", text="\n".join(limits(advice, verification))), *scene,
-        Section(heading="Reproduce", text=_command(advice, verification)),
+        Section(heading="Reproduce", text=_command(advice, verification, out)),
     ]
+
+
+def _note(advice: Advice, table: str) -> str:
+    """Return what stands above a table; free scenes have no scatter over packings."""
+    return NOTES.get(f"{table}_free", NOTES[table]) if advice.evidence.free else NOTES[table]
 
 
 def _lead(advice: Advice) -> str:
@@ -132,11 +143,12 @@ def _about(advice: Advice) -> str:
     )
 
 
-def _command(advice: Advice, verification: Verification | None) -> str:
+def _command(advice: Advice, verification: Verification | None, out: Path) -> str:
     evidence = advice.evidence
     verify = [] if verification is None else ["--verify", *([] if evidence.free else [str(verification.count)])]
+    effects = ["--effects-from", evidence.effects_source] if evidence.effects_source else []
     engines = [] if evidence.engines is None else ["--engines", ",".join(evidence.engines)]
     return shlex.join([
         "grainproof", "advise", str(evidence.scene_file), "--quantity", evidence.quantity, "--tolerance",
-        f"{advice.tolerance:g}", "--from", evidence.source, *engines, *verify,
+        f"{advice.tolerance:g}", "--from", evidence.source, *effects, *engines, *verify, "--out", str(out),
     ])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from harness.engines.protocol import Engine, takes
+from harness.report.accuracy_expected import expected_climb
 from harness.report.expected import Expected, likely_system, longest_first, packing_seconds, run_seconds
 from harness.runs.outcome import usable_cores
 from harness.scene.explain import time_row
@@ -18,10 +19,10 @@ if TYPE_CHECKING:
 def verification_announcement(advice: Advice, engine: Engine, *, packings: int | None, workers: int | None) -> str:
     """Return a line on how long `verify` takes."""
     if advice.evidence.free:
-        expected, more = expected_free(advice, engine), "; the oracle and timing come on top"
+        expected = expected_climb(free_case(advice), [engine], workers=workers)
     else:
-        expected, more = expected_bulk(advice, engine, packings=packings, workers=workers), ""
-    row = time_row("verification", expected.seconds, expected.says + more)
+        expected = expected_bulk(advice, engine, packings=packings, workers=workers)
+    row = time_row("verification", expected.seconds, expected.says)
     return f"expected: verification, about {row.text} for {row.note}"
 
 
@@ -38,9 +39,3 @@ def expected_bulk(advice: Advice, engine: Engine, *, packings: int | None, worke
         at_once=at_once,
     )
 
-
-def expected_free(advice: Advice, engine: Engine) -> Expected:
-    """Return what the run of all phases takes, and the one that is timed."""
-    systems = [p.system for p in free_case(advice).cases[0].phased]
-    costs = [run_seconds(engine, s) for s in systems if engine.probe().available and takes(engine, s)]
-    return Expected(seconds=longest_first(costs, 1), runs=len(costs), packings=0, at_once=1)

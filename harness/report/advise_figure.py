@@ -69,8 +69,8 @@ def _draw(ax, advice: Advice, ladder, taken) -> None:
         ax.plot([taken.value], [100.0 * taken.error], "o", ms=12, mfc="none", mec=FAR if far else TAKEN, mew=1.8)
     ax.set_xscale("log")
     ax.minorticks_off()
-    shown = [*x, *([taken.value] if taken is not None else [])]
-    ax.set_xticks(shown, [f"{v:.3g}" for v in shown])
+    shown = dict.fromkeys([*x, *([taken.value] if taken is not None else [])])
+    ax.set_xticks([*shown], [f"{v:.3g}" for v in shown])
     ax.set_xlabel(f"{ladder.knob}: {ladder.says}", fontsize=8)
     _finish(ax)
 

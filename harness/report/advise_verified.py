@@ -125,7 +125,7 @@ def result_rows(found: Verification) -> list[dict]:
 
 def _remaining(found: Verification) -> tuple[str, float, str]:
     if found.free:
-        return "what the oracle is off itself", found.remaining, "in the standard error"
+        return "what the oracle is off itself", found.remaining, "counted in the standard error"
     return (
         "what the reference is expected to be off itself", found.remaining,
         "by the limits of the same ladders: the finest setting is not the limit",
@@ -133,7 +133,7 @@ def _remaining(found: Verification) -> tuple[str, float, str]:
 
 
 def _difference_rows(found: Verification, d: Difference) -> list[dict]:
-    how = "phases of the step" if found.free else f"the same {d.count} packings" if d.paired else (
+    how = f"{d.count} phases of the step" if found.free else f"the same {d.count} packings" if d.paired else (
         "the packings differ, so the standard errors are those of two samples"
     )
     name = "rms error" if found.free else "difference"
@@ -171,8 +171,8 @@ def _from(found: Verification, side: Side) -> str:
 
 
 def _expected(found: Verification) -> str:
-    return "of the advice" if found.free else (
-        f"of the advice, for {found.count} packings with their scatter, against the limits"
+    return "as the advice foretells it" if found.free else (
+        f"as the advice foretells it, for {found.count} packings with their scatter, against the limits"
     )
 
 

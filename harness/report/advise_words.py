@@ -19,6 +19,13 @@ COMBINED = (
 )
 
 
+SETTING = {
+    "dt": "dt_fraction {:.4g}", "stiffness": "{:.4g} times the scene's stiffness", "rate": "{:.4g} times its rate",
+    "size": "{:.0f} particles",
+}
+"""How a setting is said, by knob."""
+
+
 def paragraph(advice: Advice) -> str:
     """Return the findings, a sentence each."""
     return " ".join(s for s in (_take(advice), _error(advice), _floor(advice), _against(advice), _basis(advice)) if s)
@@ -43,7 +50,10 @@ def limits(advice: Advice, verification: Verification | None = None) -> list[str
     if evidence.free:
         found.append("Errors are root mean squares over phases of the step; a single run may be off by more.")
     if advice.scene is not None and advice.scene.outputs != evidence.scene.outputs:
-        found.append("Samples and frames became fewer, so that so few steps are a multiple of them.")
+        found.append(
+            "The advised scene has fewer samples and frames than the declared one, as its few steps must be a multiple "
+            "of them."
+        )
     missing = [k for k, why in evidence.absent.items() if why.startswith("not measured")]
     if missing:
         found.append(f"Not measured, so in no sum: {', '.join(missing)}.")
@@ -74,7 +84,7 @@ def _take(advice: Advice) -> str:
     choice, quantity, tolerance = advice.choice, advice.evidence.quantity, _percent(advice.tolerance)
     if choice is None:
         return f"No setting is known that keeps {quantity} within {tolerance}: {advice.why}."
-    knobs = ", ".join(f"{knob} {rung.value:.4g}" for knob, rung in choice.rungs.items())
+    knobs = ", ".join(SETTING[knob].format(rung.value) for knob, rung in choice.rungs.items())
     effects = f", without {', '.join(choice.without)}" if choice.without else ""
     many = "" if advice.evidence.free else f", {choice.packings} packing{'s' * (choice.packings > 1)}"
     return f"For {quantity} within {tolerance}: {choice.engine} with {knobs}{effects}{many}."

@@ -83,7 +83,8 @@ NOTES = {
     "curves": "Largest change of any column over the largest value of that column. Past the onset of chaos any change "
     "of rounding changes everything: then only numbers with their scatter over packings can tell.",
     "numbers": "Standard errors from the scatter over packings, as of independent samples.",
-    "costs": "Medians over runs. Ratios tell of the code only if machine and load were the same, see versions.",
+    "costs": "Medians over runs, of whole processes, so with their start. Ratios tell of the code only if machine and "
+    "load were the same, see versions.",
 }
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -72,7 +73,7 @@ def write_bench(bench: Bench, out: Path) -> Path:
     for name, rows in exact_tables(bench).items():
         write_text_atomic(out / f"{name}.csv", csv_text(rows))
     figure = bench_figure(bench)
-    sections = _sections(bench, () if figure is None else (Figure(uri=png_uri(figure), caption=CAPTION),))
+    sections = _sections(bench, () if figure is None else (Figure(uri=png_uri(figure), caption=CAPTION),), out)
     if figure is None:
         (out / "bench.png").unlink(missing_ok=True)
     else:
@@ -249,7 +250,7 @@ def _by_case(bench: Bench):
                 yield case, label, timed
 
 
-def _sections(bench: Bench, figures: tuple[Figure, ...]) -> list[Section]:
+def _sections(bench: Bench, figures: tuple[Figure, ...], out: Path) -> list[Section]:
     shown = shown_tables(bench)
     return [
         Section(heading="Kernel over each code", note=RATIO_NOTE, rows=shown["ratios"], figures=figures),
@@ -260,8 +261,12 @@ def _sections(bench: Bench, figures: tuple[Figure, ...]) -> list[Section]:
         Section(heading="Packings", note=PROBLEM_NOTE, rows=shown["problems"]),
         Section(heading="Not timed", rows=shown["not_timed"]),
         Section(heading="Machine", rows=shown["machine"]),
-        Section(heading="Reproduce", text="grainproof bench" + (" --quick" if bench.quick else "")),
+        Section(heading="Reproduce", text=_command(bench, out)),
     ]
+
+
+def _command(bench: Bench, out: Path) -> str:
+    return shlex.join(["grainproof", "bench", *(["--quick"] if bench.quick else []), "--out", str(out)])
 
 
 def _ratio(cell: Cell, label: str, other: str) -> Spread | None:

@@ -73,7 +73,7 @@ MACRO_NOTE = (
     "positive in compression. The peak is that of the first loading branch of sigma_zz, smoothed over 0.5 % strain: "
     "its largest value before it first falls clearly; from and to say where the curve is within 3 % of it. A test that "
     "never falls clearly has no peak. With one packing these numbers have no error bar: they are shown, not judged. "
-    "+- is the standard deviation over packings."
+    "s: standard deviation over n packings."
 )
 PHASE_NOTE = (
     "Measured, not judged, of the first packing. The verdict on the rate of the drive counts the top wall's motion "
@@ -106,7 +106,7 @@ def macro_page_rows(comparison: Comparison) -> list[dict]:
     for r in macro_rows(comparison):
         row = rows.setdefault(r["quantity"], {"quantity": r["quantity"], "unit": r["unit"], **engines})
         spread = r["standard deviation"]
-        row[r["engine"]] = f"{r['mean']:.4g}" + ("" if spread is None else f" +- {spread:.2g} (n = {r['packings']})")
+        row[r["engine"]] = f"{r['mean']:.4g}" + ("" if spread is None else f" (s = {spread:.2g}, n = {r['packings']})")
     return list(rows.values())
 
 

@@ -16,10 +16,13 @@ VERDICT_NOTE = (
     "packing after chaos has set in. not checked: there was nothing to check, which is never a pass. known difference: "
     "explained where all checks stand. Under a verdict: the deviation beside its tolerance, and of how many samples it "
     "is the largest; of statistics beside what equal codes differ by at most by chance, and the margin that a "
-    "difference must be shown to be smaller than. Levels: L1 collision, L2 trajectory until "
-    "chaos, L3 statistics over packings, run: a property that one run must have."
+    "difference must be shown to be smaller than. On this page +- is one standard error. Levels: L1 collision, L2 "
+    "trajectory until chaos, L3 statistics over packings, run: a property that one run must have."
 )
-RUN_NOTE = "A run that failed, or an engine that is missing, is listed with its reason."
+RUN_NOTE = (
+    "A run that failed, or an engine that is missing, is listed with its reason. CPU over steps: of the whole process, "
+    "so with its start; Time and cost has the steps alone."
+)
 
 
 def opening_sections(checks: Sequence[Check], runs: Sequence[ReportedRun]) -> list[Section]:
@@ -42,9 +45,10 @@ def _failure_note(checks: Sequence[Check], runs: Sequence[ReportedRun]) -> str:
 
 
 def closing_sections(
-    runs: Sequence[ReportedRun], *, check_rows: list[dict], run_rows: list[dict], between: Sequence[Section] = ()
+    runs: Sequence[ReportedRun], *, check_rows: list[dict], run_rows: list[dict], between: Sequence[Section] = (),
+    command: str = "",
 ) -> list[Section]:
-    """What it cost, what made it, and everything in detail."""
+    """What it cost, what made it, and everything in detail. command: that makes the page again."""
     return [
         Section(heading="Time and cost", note=COST_NOTE, rows=cost_rows(runs)),
         Section(heading="Versions", rows=version_rows(runs)),
@@ -52,10 +56,10 @@ def closing_sections(
         Section(heading="Machines", rows=host_rows(runs)),
         Section(heading="All checks", rows=check_rows),
         Section(heading="Runs", note=RUN_NOTE, rows=run_rows),
-        Section(heading="Reproduce", text="\n".join(_reproduce(runs))),
+        Section(heading="Reproduce", text="\n".join(_reproduce(runs, command))),
     ]
 
 
-def _reproduce(runs: Sequence[ReportedRun]) -> list[str]:
-    made = [r for r in runs if r.outcome.reproduce]
-    return [f"# {r.engine}, packing {r.packing + 1}\n{r.outcome.reproduce}" for r in made]
+def _reproduce(runs: Sequence[ReportedRun], command: str) -> list[str]:
+    made, page = [r for r in runs if r.outcome.reproduce], [f"# this page\n{command}"] if command else []
+    return page + [f"# {r.engine}, packing {r.packing + 1}\n{r.outcome.reproduce}" for r in made]

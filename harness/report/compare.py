@@ -68,6 +68,7 @@ def write_report(comparison: Comparison, out: Path) -> Written:
         *closing_sections(
             comparison.all_runs, check_rows=tables["checks"], run_rows=tables["runs"],
             between=[*watch_sections(comparison.all_runs), *place_sections(comparison.words)],
+            command=comparison.command,
         ),
     ]
     page = render_page(title=comparison.scene.title, lead=_lead(comparison), sections=sections)
@@ -144,7 +145,8 @@ def _run_row(run: Run) -> dict:
     return {
         "engine": run.engine, "packing": run.packing + 1, "status": o.status, "version": o.engine_version,
         "particles": o.particles, "steps": o.steps, "CPU (s)": cpu,
-        "CPU per step (us)": None if cpu is None else 1e6 * cpu / o.steps, "reason": o.reason,
+        "CPU over steps (us)": None if cpu is None else 1e6 * cpu / o.steps,
+        "reason": o.reason or "; ".join(f"warning: {warning}" for warning in o.warnings),
     }
 
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from statistics import fmean
 from typing import TYPE_CHECKING
 
 from harness.report.failures import ReportedRun
+from harness.runs.phases import cpu_parts
 
 if TYPE_CHECKING:
     from harness.runs.outcome import Outcome
@@ -14,11 +15,17 @@ if TYPE_CHECKING:
 OURS = ("render", "read", "write")
 """Phases of the harness; the others are the engine's."""
 
+LEAST_SHARE = 0.05
+"""Of a run's CPU time: where steps take less, they are too short beside the start to tell what one costs."""
+
 COST_NOTE = (
-    "Means over the completed runs of each engine. CPU time is that of the engine's own processes, set-up and output "
-    "included; elapsed time is what a clock showed. Runs shared this machine (load: the most processes that wanted a "
-    "core when one of these runs began), so compare times only roughly. The harness renders decks and reads, checks "
-    "and keeps results."
+    "Means over the completed runs of each engine. CPU: processor time of the engine's own processes. It is split into "
+    "what comes before the first step (the process starts, reads its deck and builds the system), the steps, and the "
+    "output: the kernel tells its phases in processor time, LAMMPS and LIGGGHTS by the clock, in which proportions "
+    "their processor time is shared out here (what LAMMPS writes on the way counts as steps). CPU per step: of the "
+    f"steps alone; none where they take less than {100.0 * LEAST_SHARE:g} % of the whole. Clock: elapsed time; the "
+    "harness renders decks and reads, checks and keeps results. Runs shared this machine (load: the most processes "
+    "that wanted a core when one of these runs began), so compare times only roughly."
 )
 
 
@@ -37,14 +44,33 @@ def cost_rows(runs: Iterable[ReportedRun]) -> list[dict]:
 
 
 def _cost_row(engine: str, outcomes: Sequence[Outcome]) -> dict:
-    per_step = [1e6 * o.cpu_seconds / o.steps for o in outcomes if o.cpu_seconds is not None and o.steps]
+    parts = [_parts(o) for o in outcomes]
     return {
         "engine": engine, "runs": len(outcomes), "CPU (s)": _mean(o.cpu_seconds for o in outcomes),
-        "CPU over the least": None, "CPU per step (us)": _mean(per_step),
-        "elapsed (s)": _mean(o.wall_seconds for o in outcomes),
-        **{f"{phase} (s)": _mean(o.timings.get(phase) for o in outcomes) for phase in ("setup", "run", "output")},
-        "harness (s)": _mean(_harness_seconds(o) for o in outcomes), "load": max(o.load_average for o in outcomes),
+        "CPU over the least": None,
+        **{f"{name}, CPU (s)": _mean(p.get(name) for p in parts) for name in ("before the steps", "steps", "output")},
+        "CPU per step (us)": _mean(_per_step(o, p) for o, p in zip(outcomes, parts, strict=True)),
+        "clock (s)": _mean(o.wall_seconds for o in outcomes),
+        "harness, clock (s)": _mean(_harness_seconds(o) for o in outcomes),
+        "load": max(o.load_average for o in outcomes),
     }
+
+
+def _parts(outcome: Outcome) -> dict[str, float]:
+    """Return CPU seconds before the steps, in them and of the output; the first and last where they can be told."""
+    if outcome.cpu_seconds is None or "run" not in outcome.timings:
+        return {}
+    told = cpu_parts(outcome)
+    parts = {"steps": told["run"]} | ({"output": told["output"]} if "output" in told else {})
+    before = {"before the steps": max(0.0, outcome.cpu_seconds - sum(parts.values()))}
+    return parts | (before if "setup" in told else {})
+
+
+def _per_step(outcome: Outcome, parts: Mapping[str, float]) -> float | None:
+    """Return CPU time of a step in us; None where steps are a small part of the run, or nobody told them apart."""
+    if "before the steps" not in parts or not outcome.steps or parts["steps"] < LEAST_SHARE * outcome.cpu_seconds:
+        return None
+    return 1e6 * parts["steps"] / outcome.steps
 
 
 def _harness_seconds(outcome: Outcome) -> float | None:

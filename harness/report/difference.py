@@ -197,10 +197,10 @@ def _versions(runs: Iterable[FinishedRun], names: Mapping[str, str]) -> dict[str
 
 
 def _cost_rows(old: Sequence[FinishedRun], new: Sequence[FinishedRun], names: Mapping[str, str]) -> Rows:
-    """One row an engine that completed runs of both: medians of the CPU time of a step."""
+    """One row an engine that completed runs of both: medians of the CPU time of the whole process over its steps."""
     before, after = _per_step(old, names), _per_step(new, {})
     return [
-        {"engine": e, "old, CPU per step (us)": median(before[e]), "new, CPU per step (us)": median(after[e]),
+        {"engine": e, "old, CPU over steps (us)": median(before[e]), "new, CPU over steps (us)": median(after[e]),
          "new over old": median(after[e]) / median(before[e]), "runs, old": len(before[e]), "runs, new": len(after[e])}
         for e in after if e in before
     ]

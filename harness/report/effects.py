@@ -6,13 +6,14 @@ import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from harness.report.effects_figure import CAPTION, effects_figure
+from harness.report.effects_figure import caption, effects_figure
 from harness.report.effects_notes import NOTES
 from harness.report.effects_tables import saved, tables, traces_in_short, visible_trials
 from harness.report.effects_words import paragraph
 from harness.report.files import Names, Written, write_files
 from harness.report.page import Figure, Section
 from harness.report.tables import Answer
+from harness.scene.model import Free
 from harness.studies.effects.asked import BY
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ NAMES = Names(stem="effects", tables=TABLES, further=(REDUCED,))
 HEADINGS = {
     "effects": "Which effects are on, and why", "smallest": "The smallest set", "trials": "Combinations that were run",
     "chosen": "What a switch changes", "costs": "What a step costs", "traces": "What an effect leaves behind",
-    "zeros": "Off, and the coefficient at zero", "changes": "All quantities",
+    "zeros": "Off, and the coefficient at zero or next to it", "changes": "All quantities",
 }
 
 
@@ -67,30 +68,33 @@ def write_effects(study: EffectsStudy, out: Path) -> Path:
     out.mkdir(parents=True, exist_ok=True)
     write_scene(study.reduced, study.scene_file, out / REDUCED, about=_about(study))
     return write_files(out, NAMES, Written(
-        title=f"What effects are worth: {study.scene.title}", lead=f"{summary(study)}.", caption=CAPTION,
+        title=f"What effects are worth: {study.scene.title}", lead=f"{summary(study)}.", caption=caption(study),
         figure=effects_figure(study), tables=tables(study), data=effects_data(study),
-        sections=lambda figures: _sections(study, figures),
+        sections=lambda figures: _sections(study, figures, out),
     ))
 
 
 def summary(study: EffectsStudy) -> str:
     """Return one line: how many effects, on whom, by what they are judged."""
     switched = sum(v.scene is not None for v in study.variants)
-    many = f"{study.asked.packings} packing{'s' * (study.asked.packings > 1)}"
+    many = "one start" if isinstance(study.scene, Free) else (
+        f"{study.asked.packings} packing{'s' * (study.asked.packings > 1)}"
+    )
     return (
-        f"{sum(e.on for e in study.effects)} of {len(study.effects)} effects are on, {switched} were switched alone; "
-        f"{many} on {study.asked.by.name}; timed on {', '.join(e.name for e in study.asked.engines)}; "
+        f"{sum(e.on for e in study.effects)} of {len(study.effects)} effects are on, {switched} were switched, one at "
+        f"a time; answers of {many} on {study.asked.by.name}; times on "
+        f"{', '.join(e.name for e in study.asked.engines)}; "
         f"{', '.join(study.asked.quantities)} to {100.0 * study.asked.tolerance:g} %"
     )
 
 
-def _sections(study: EffectsStudy, figures: tuple[Figure, ...]) -> list[Section]:
+def _sections(study: EffectsStudy, figures: tuple[Figure, ...], out: Path) -> list[Section]:
     found = tables(study) | {"traces": traces_in_short(study), "trials": visible_trials(study)}
     parts = [Section(heading=HEADINGS[n], note=NOTES[n], rows=found[n]) for n in TABLES if found[n]]
     return [
         Section(heading="In words", note=paragraph(study)),
         Section(heading="Time and answer", figures=figures), *parts,
-        Section(heading="Reproduce", text=_command(study)),
+        Section(heading="Reproduce", text=_command(study, out)),
     ]
 
 
@@ -103,7 +107,7 @@ def _about(study: EffectsStudy) -> str:
     )
 
 
-def _command(study: EffectsStudy) -> str:
+def _command(study: EffectsStudy, out: Path) -> str:
     asked = study.asked
     words = [
         "grainproof", "effects", str(study.scene_file), "--quantity", ",".join(asked.quantities), "--tolerance",
@@ -111,4 +115,5 @@ def _command(study: EffectsStudy) -> str:
     ]
     if asked.only:
         words += ["--effects", ",".join(n.replace(" ", "_") for n in asked.only)]
-    return shlex.join([*words, *(["--by", asked.by.name] if asked.by.name != BY else [])])
+    words += ["--by", asked.by.name] if asked.by.name != BY else []
+    return shlex.join([*words, "--out", str(out)])

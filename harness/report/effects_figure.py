@@ -19,10 +19,21 @@ GONE = "gone"
 CAPTION = (
     "Left: time of a whole run with one effect switched, over that of the scene as declared (vertical line), on every "
     "engine; bars: least and largest over stretches in which all took turns. Right: change of the chosen quantities "
-    "over the tolerance (grey: within it); bars: two standard errors over packings; the number says how many error "
-    "bars of the scene that is. A cross: the quantity is gone. Small changes lie on a linear scale, large ones on a "
+    "over the tolerance (grey: within it)"
+)
+SPREAD = (
+    "; bars: two standard errors of the change; the number: how many error bars of the scene as declared, the scatter "
+    "of one packing, the change is"
+)
+SCALE = (
+    ". A cross: the quantity is gone. Changes of up to two tolerances lie on a linear scale, larger ones on a "
     "logarithmic one. Above the line effects that the scene has, below it those that it does not have."
 )
+
+
+def caption(study: EffectsStudy) -> str:
+    """Return what the figure shows."""
+    return f"{CAPTION}{SPREAD if any(c.in_bars is not None for c in study.chosen) else ''}{SCALE}"
 
 
 def effects_figure(study: EffectsStudy):

@@ -18,11 +18,13 @@ NOTES = {
     ),
     "chosen": (
         "Change: mean over packings of the switched scene less the scene as declared on the same packing, over what "
-        "its column names. exit, velocity, spin and stress_strain are deviations from the scene as declared, as parts "
-        "of that (unit 1): as declared they are 0. Error bar: spread over packings of the scene as declared, of one "
-        "packing the standard error of its time average, of what bodies leave a free scene with the tolerance. Within "
-        "the tolerance: shown to be (agrees), shown not to be (differs), or neither (inconclusive), each at 5 %. "
-        "Packings needed: so many would be expected to tell, in four of five cases, if the change is as measured."
+        "its column names. exit (velocity, and spin times radius, that bodies leave with), velocity, spin and "
+        "stress_strain are deviations from the scene as declared, as parts of that (unit 1): as declared they are "
+        "0, without an error bar. Error bar: of the scene as declared, what one packing tells: the standard "
+        "deviation over packings, of a single packing the standard error of its time average. Standard error: of "
+        "the change. Within the tolerance: shown to be (agrees), shown not to be (differs), or neither "
+        "(inconclusive), each at 5 %. Packings needed: so many would be expected to tell, in four of five cases, if "
+        "the change is as measured."
     ),
     "costs": (
         "CPU time of a step in sessions that stay open side by side and make stretches of steps in turn; set-up "
@@ -36,10 +38,10 @@ NOTES = {
         "has all of them in full."
     ),
     "zeros": (
-        "Runs that start together, with the effect off, and on with its coefficient at zero: largest difference of "
-        "displacement and velocity over their size. Off from on shows that the effect does something in these "
-        "steps. What the scene's rules refuse (a friction of 0) is given to the engine past them. Not checked is "
-        "no pass."
+        "Runs that start together, with the effect off, and on with its coefficient at zero, or at 1e-30 of itself "
+        "where 0 is how the scene says off: largest difference of displacement and velocity over their size. Off "
+        "from on shows that the effect does something in these steps. What the scene's rules refuse (a friction of "
+        "0) is given to the engine past them. Not checked is no pass."
     ),
     "changes": (
         "Every quantity that the runs have."

@@ -79,8 +79,8 @@ def _trace_row(f: Footprint) -> dict:
 def zero_rows(study: EffectsStudy) -> list[dict]:
     """One row an effect and engine: off against the coefficient at zero."""
     return [
-        {"effect": z.effect, "engine": z.engine, "zero is written": z.says or None, "verdict": z.verdict,
-         "off from zero": z.deviation, "off from on": z.acts, "steps": z.steps or None, "why": z.why}
+        {"effect": z.effect, "engine": z.engine, "coefficient as run": z.says or None, "verdict": z.verdict,
+         "off from that": z.deviation, "off from on": z.acts, "steps": z.steps or None, "why": z.why}
         for z in study.zeros
     ]
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from harness.report.effects_tables import saved
+from harness.studies.effects.of_normal import NEXT_TO_NOTHING
 from harness.studies.effects.variants import BASE
 
 if TYPE_CHECKING:
@@ -37,7 +38,8 @@ def _what_matters(study: EffectsStudy) -> str:
     if not found:
         return "No effect that can be switched off is shown to change a chosen quantity beyond the tolerance."
     told = [f"{v.effect.name} ({_told(w)})" for v, w in sorted(found, key=lambda f: -_size(f[1]))]
-    return f"What the scene cannot do without: {'; '.join(told)}."
+    kept = f"{', '.join(study.asked.quantities)} within {_percent(study.asked.tolerance)}"
+    return f"Needed to keep {kept} (in brackets what changes without): {'; '.join(told)}."
 
 
 def _what_does_not(study: EffectsStudy) -> str:
@@ -46,7 +48,7 @@ def _what_does_not(study: EffectsStudy) -> str:
     if not told:
         return ""
     beside = [f" Without {v.effect.name}{more}." for v in found if (more := _visible(study, _others(study, v.name)))]
-    return f"Within {_percent(study.asked.tolerance)} without: {'; '.join(told)}.{''.join(beside)}"
+    return f"Not needed for that: {'; '.join(told)}.{''.join(beside)}"
 
 
 def _others(study: EffectsStudy, variant: str) -> list[Change]:
@@ -85,7 +87,7 @@ def _missing(study: EffectsStudy) -> str:
 
 
 def _dear(study: EffectsStudy) -> str:
-    """What the dearest effect that is on costs, by engine."""
+    """What the dearest effect that is on costs, by engine, needed or not."""
     told = []
     for engine in [e for e, name in study.costs if name == BASE]:
         known = {
@@ -94,8 +96,10 @@ def _dear(study: EffectsStudy) -> str:
         }
         if known:
             name = min(known, key=known.get)
-            told.append(f"{engine} {name}, {_percent(1.0 - known[name])} of a run")
-    return f"The dearest effect that can be switched off: {'; '.join(told)}." if told else ""
+            told.append(f"{name} on {engine} ({_percent(1.0 - known[name])} of a run)")
+    return f"Most time, of the effects that were switched, whether needed or not, is taken by {'; '.join(told)}." if (
+        told
+    ) else ""
 
 
 def _smallest(study: EffectsStudy) -> str:
@@ -139,13 +143,18 @@ def _zero(study: EffectsStudy) -> str:
     checks = [z for z in study.zeros if z.verdict == "agrees"]
     if not study.zeros:
         return ""
-    worst = f", at worst {max(z.deviation for z in checks):.2g}" if checks else ""
+    size = max((z.deviation for z in checks), default=0.0)
+    worst = (f", they part by {size:.2g} at most" if size else ", to the last bit") if checks else ""
+    faint = [z for z in checks if not z.exact]
+    next_to = f" ({len(faint)} of them at {NEXT_TO_NOTHING:g} of itself, where 0 is how the scene says off)" if (
+        faint
+    ) else ""
     other = [z for z in study.zeros if z.verdict in ("differs", "known_difference")]
-    told = "".join(f"; {z.effect} on {z.engine} is not ({z.deviation:.2g})" for z in other)
+    told = "".join(f"; {z.effect} on {z.engine} does not (they part by {z.deviation:.2g})" for z in other)
     missing = sum(z.verdict == "not_checked" for z in study.zeros)
     return (
-        f"Off is the coefficient at zero in {len(checks)} of {len(study.zeros)}{worst}{told}; {missing} were not "
-        "checked, with the reason beside each."
+        f"Off gives what the coefficient at zero gives in {len(checks)} of {len(study.zeros)} pairs{next_to}{worst}"
+        f"{told}; {missing} were not checked, with the reason beside each."
     )
 
 

@@ -29,12 +29,16 @@ PARTICLE_FRAME_SECONDS = 2.5e-5
 
 @dataclass(frozen=True, kw_only=True)
 class Expected:
-    """A comparison: `seconds` in all, of how many runs on how many packings, with how many runs at a time."""
+    """A comparison: `seconds` in all, of how many runs on how many packings, with how many runs at a time.
+
+    beside: what else takes time, in words.
+    """
 
     seconds: float
     runs: int
     packings: int
     at_once: int
+    beside: str = ""
 
     @property
     def says(self) -> str:
@@ -42,7 +46,8 @@ class Expected:
         packed = f" and {self.packings} packing{'s' * (self.packings > 1)}" if self.packings else ""
         side = f", {self.at_once} at a time" if self.at_once > 1 else ""
         runs = f"{self.runs} run{'s' * (self.runs != 1)}"
-        return f"{runs}{packed}{side}, on idle cores; what --out holds already is not made again"
+        beside = f", {self.beside}" if self.beside else ""
+        return f"{runs}{packed}{side}{beside}, on idle cores; what --out holds already is not made again"
 
 
 def likely_system(scene: Scene, path: Path) -> System:

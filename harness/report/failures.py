@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Protocol
 
 from harness.report.page import Entry
+from harness.runs.outcome import last_words, where_and_why
 from harness.studies.verdict import Check
 
 if TYPE_CHECKING:
@@ -35,9 +36,11 @@ class ReportedRun(Protocol):
 
 
 def entries(checks: Iterable[Check], runs: Iterable[ReportedRun]) -> tuple[Entry, ...]:
-    """Return the runs that did not complete, then the checks that differ."""
+    """Return runs that did not complete, or that the engine itself warns of, then checks that differ."""
+    runs = tuple(runs)
     return (
         *(_of_run(r) for r in runs if r.outcome.status != "completed"),
+        *(_warned(r, warning) for r in runs for warning in r.outcome.warnings),
         *(_of_check(c) for c in checks if c.verdict == "differs"),
     )
 
@@ -52,9 +55,8 @@ def run_reason(outcome: Outcome) -> str:
     """Say why a run did not complete, with the step it reached and its last words if it ran."""
     if outcome.status not in BROKEN:
         return outcome.reason
-    where = f"after step {outcome.steps_done} of {outcome.steps}"
-    said = f"; last words: {outcome.last_lines[-1]}" if outcome.last_lines else ""
-    return f"{outcome.reason}, {where}{said}"
+    where, why = where_and_why(outcome)
+    return f"{why}, {where}{last_words(outcome)}"
 
 
 def check_title(check: Check) -> str:
@@ -70,6 +72,11 @@ def run_title(run: ReportedRun) -> str:
 def _of_run(run: ReportedRun) -> Entry:
     o = run.outcome
     return Entry(word=o.status, title=run_title(run), why=run_reason(o), command=o.reproduce)
+
+
+def _warned(run: ReportedRun, warning: str) -> Entry:
+    """A run that went to its end, and whose engine warns of it."""
+    return Entry(word="warning", title=run_title(run), why=warning, command=run.outcome.reproduce)
 
 
 def _of_check(check: Check) -> Entry:

@@ -83,12 +83,38 @@ def _lay_out(figure) -> None:
     engine = figure.get_layout_engine()
     if engine is None:
         return
+    for axes in figure.axes:
+        space_log_ticks(axes)
     if len(figure.axes) == 1 and figure.axes[0].get_aspect() == "auto":
         figure.set_layout_engine(None)
         _fill(figure, figure.axes[0])
         return
     engine.execute(figure)
     figure.set_layout_engine(None)
+
+
+FEW_DECADES, NO_DECADE = 100.0, 3.0
+"""Largest over least value of a logarithmic axis: below, it has labels at 1, 2 and 5 times powers of ten, or at a few
+even places."""
+
+
+def space_log_ticks(axes) -> None:
+    """Label logarithmic axes so that numbers do not touch: powers of ten where there are several, else a few more.
+
+    By itself matplotlib labels 2, 3, 4, 6 times a power of ten on an axis of little more than a decade. What a figure
+    labels itself stays.
+    """
+    from matplotlib.ticker import FuncFormatter, LogFormatter, LogLocator, MaxNLocator, NullFormatter
+
+    for axis in (a for a in (axes.xaxis, axes.yaxis) if a.get_scale() == "log"):
+        low, high = sorted(axis.get_view_interval())
+        if isinstance(axis.get_minor_formatter(), LogFormatter):
+            axis.set_minor_formatter(NullFormatter())
+        if not isinstance(axis.get_major_formatter(), LogFormatter) or high > FEW_DECADES * low:
+            continue
+        even = MaxNLocator(nbins=3, steps=[1, 2, 5, 10])
+        axis.set_major_locator(even if high < NO_DECADE * low else LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
 
 
 PAD = 3.0

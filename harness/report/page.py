@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 WORDS = {
     *COLOURS, "crashed", "unstable", "timed_out", "unavailable", "unsupported", "worse", "better", "appeared",
-    "vanished", "failed_loudly", "failed_silently",
+    "vanished", "failed_loudly", "failed_silently", "warning",
 }
 """Words that the page's style sheet gives a colour."""
 
@@ -27,7 +27,7 @@ MARKS = {
     "agrees": "✓", "completed": "✓", "differs": "✗", "crashed": "✗", "unstable": "✗", "timed_out": "✗",
     "inconclusive": "?", "not_checked": "–", "unavailable": "–", "unsupported": "–", "known_difference": "≠",
     "worse": "▼", "better": "▲", "stable": "✓", "refused": "✓", "degraded": "≈", "failed_loudly": "!",
-    "failed_silently": "✗",
+    "failed_silently": "✗", "warning": "!",
 }
 """A sign beside the word, for who cannot tell the colours."""
 

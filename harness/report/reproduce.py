@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 from collections import Counter
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -144,15 +144,24 @@ def summary(result: Result) -> str:
     return "; ".join(parts)
 
 
-def command(study: Study, ask: Ask) -> str:
-    """Return the command that makes this result again, without the places of one machine."""
+def command(study: Study, ask: Ask, *, here: bool = False) -> str:
+    """Return the command that makes this result again; with the places of this machine only if it is `here`."""
     from harness.engines.registry import word_of
 
     found = ["grainproof", "reproduce", study.name, "--size", ask.size]
     found += ["--engines", ",".join(word_of(e).split("@")[0] for e in ask.engines)]
-    found += ["--packings", str(study.packings(ask))]
-    found += ["--measurements", ask.measurements.name] if ask.measurements else []
-    return shlex.join(found)
+    found += ["--packings", str(study.packings(ask))] if _takes_packings(study, ask) else []
+    if ask.measurements:
+        found += ["--measurements", str(ask.measurements) if here else ask.measurements.name]
+    return shlex.join([*found, *(["--out", str(ask.out)] if here else [])])
+
+
+def _takes_packings(study: Study, ask: Ask) -> bool:
+    try:
+        study.check(replace(ask, packings=study.packings(ask), measurements=None))
+    except InputError:
+        return False
+    return True
 
 
 def _counts(counts: Counter) -> str:
@@ -180,7 +189,7 @@ def _sections(study: Study, ask: Ask, result: Result, figures: tuple[Figure, ...
         Section(heading="Versions", rows=version_rows(result.runs)),
         Section(heading="Machines", rows=host_rows(result.runs)),
         Section(heading="Runs", rows=run_rows(result.runs)),
-        Section(heading="Reproduce", text=command(study, ask)),
+        Section(heading="Reproduce", text=command(study, ask, here=True)),
     ]
     return [s for s in found if _says_something(s)]
 

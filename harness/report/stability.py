@@ -67,7 +67,7 @@ def write_stability(stability: Stability, out: Path) -> Path:
     return write_files(out, NAMES, Written(
         title="Hard cases: stable, or failing loudly?", lead=f"{summary(stability)}.", caption=CAPTION,
         figure=stability_figure(stability), tables=tables(stability), data=stability_data(stability),
-        sections=lambda figures: _sections(stability, figures),
+        sections=lambda figures: _sections(stability, figures, out),
     ))
 
 
@@ -88,7 +88,7 @@ def _runs(count: int) -> str:
     return "no run" if not count else "one run" if count == 1 else f"{count} runs"
 
 
-def _sections(stability: Stability, figures: tuple[Figure, ...]) -> list[Section]:
+def _sections(stability: Stability, figures: tuple[Figure, ...], out: Path) -> list[Section]:
     found = tables(stability)
     silent = tuple(_entry(r) for r in stability.results if r.ended == "failed_silently")
     surprising = tuple(_entry(r) for r in stability.surprises if r.ended != "failed_silently")
@@ -104,7 +104,7 @@ def _sections(stability: Stability, figures: tuple[Figure, ...]) -> list[Section
         Section(heading="Why", rows=[_why(r) for r in stability.results if r.reason and r.ended != "refused"]),
         Section(heading="Cases", rows=found["cases"]),
         Section(heading="Invariants", note=INVARIANT_NOTE, rows=found["invariants"]),
-        Section(heading="Reproduce", text=_command(stability)),
+        Section(heading="Reproduce", text=_command(stability, out)),
     ]
 
 
@@ -118,11 +118,12 @@ def _entry(result: Result) -> Entry:
 
 def _why(result: Result) -> dict:
     return {
-        "case": result.case, "engine": result.engine, "outcome": result.ended, "reason": result.reason,
+        "case": result.case, "engine": result.engine, "outcome": result.ended.replace("_", " "),
+        "reason": result.reason,
         "declared because": result.known,
     }
 
 
-def _command(stability: Stability) -> str:
+def _command(stability: Stability, out: Path) -> str:
     names = [c.name for c in stability.cases]
-    return shlex.join(["grainproof", "stability", *names, "--engines", ",".join(stability.engines)])
+    return shlex.join(["grainproof", "stability", *names, "--engines", ",".join(stability.engines), "--out", str(out)])

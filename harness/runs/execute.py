@@ -6,7 +6,7 @@ import logging
 import os
 import shlex
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
@@ -54,9 +54,9 @@ def run_one(
     if not probe.available:
         return outcome(status="unavailable", reason=probe.detail), folder.path
     supports = engine.supports(system)
-    refused = [_quote(s) for s in supports if s.level in REFUSED]
+    refused = [s for s in supports if s.level in REFUSED]
     if refused:
-        return outcome(status="unsupported", reason="; ".join(refused)), folder.path
+        return outcome(status="unsupported", reason="; ".join(each_once(refused))), folder.path
     said = tuple(_quote(s) for s in supports if s.level == "partial")
     deck = engine.render(system)
     with folder.lock():
@@ -161,6 +161,14 @@ def _same_table(a, b) -> bool:
     if a is None or b is None:
         return a is b
     return set(a) == set(b) and all(np.array_equal(a[k], b[k], equal_nan=True) for k in a)
+
+
+def each_once(supports: Sequence[Support]) -> list[str]:
+    """Quote supports, effects with the same reason together."""
+    effects: dict[tuple[str, str], list[str]] = {}
+    for s in supports:
+        effects.setdefault((s.level, s.note), []).append(s.effect)
+    return [f"{', '.join(of)}: {level.replace('_', ' ')}: {note}" for (level, note), of in effects.items()]
 
 
 def _quote(support: Support) -> str:

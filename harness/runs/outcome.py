@@ -6,6 +6,7 @@ import hashlib
 import math
 import os
 import platform
+import re
 from datetime import datetime
 from functools import cache
 from pathlib import Path
@@ -133,6 +134,10 @@ def _checksum(outcome: Outcome) -> str:
     return hashlib.sha256(msgspec.json.encode(outcome)).hexdigest()
 
 
+STEP = re.compile(r"(?P<by>by )?step (?P<step>\d+)[:,] ")
+"""How a reason begins that says its step."""
+
+
 def describe_outcome(outcome: Outcome) -> str:
     """Say in one line what happened; for a failed run it ends with the command that repeats it."""
     head = f"{outcome.scene_name}, {outcome.engine} {outcome.engine_version}: {outcome.status}"
@@ -144,11 +149,33 @@ def describe_outcome(outcome: Outcome) -> str:
     elif outcome.status in ("unsupported", "unavailable"):
         line = f"{head}: {outcome.reason}"
     else:
-        where = f"after step {outcome.steps_done} of {outcome.steps}"
-        reason, last = outcome.reason.removeprefix(f"{outcome.status}: "), outcome.last_lines[-1:]
-        words = f"; last words: {last[0]}" if last and reason not in last[0] and last[0] not in reason else ""
-        line = f"{head} {where}: {reason}{words}{tail}; reproduce: {outcome.reproduce}"
+        where, why = where_and_why(outcome)
+        line = f"{head} {where}: {why}{last_words(outcome)}{tail}; reproduce: {outcome.reproduce}"
     return " ".join(line.split())
+
+
+def reason_of(outcome: Outcome) -> str:
+    """Return the status of a run that did not complete, once, and why."""
+    return f"{outcome.status.replace('_', ' ')}: {outcome.reason.removeprefix(f'{outcome.status}: ')}"
+
+
+def where_and_why(outcome: Outcome) -> tuple[str, str]:
+    """Return at which step a failed run ended, and why.
+
+    An engine that breaks off says its step, with which its reason begins; of the others the last sample is known.
+    """
+    reason = outcome.reason.removeprefix(f"{outcome.status}: ")
+    told = STEP.match(reason)
+    if told is None:
+        return f"after step {outcome.steps_done} of {outcome.steps}", reason
+    return f"{'by' if told['by'] else 'at'} step {told['step']} of {outcome.steps}", reason[told.end():]
+
+
+def last_words(outcome: Outcome) -> str:
+    """Return what the engine said last, unless it is the reason itself."""
+    _, why = where_and_why(outcome)
+    last = outcome.last_lines[-1] if outcome.last_lines else ""
+    return f"; last words: {last}" if last and why not in last and last not in why else ""
 
 
 def _times(outcome: Outcome) -> str:

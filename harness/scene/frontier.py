@@ -92,17 +92,16 @@ def step_warnings(scene: Scene, derived: Derived, table: Table | None = None) ->
         most = scene.numerics.dt_fraction * (1 - MARGIN) * limit.dt / dt
         yield "time step near the measured limit", (
             f"dt = {dt:.3g} s is {100 * dt / limit.dt:.0f} % of {limit.dt:.3g} s, the largest stable step measured for "
-            f"{_laws_in_words(limit)} ({limit.entry.engine}, {limit.entry.where}; {table.date}); with a margin of "
-            f"{100 * MARGIN:.0f} % take numerics.dt_fraction <= {most:.3g}; measured by: {table.command}"
+            f"{_laws_in_words(limit)} ({limit.entry.engine}, {limit.entry.where}); with a margin of "
+            f"{100 * MARGIN:.0f} % take numerics.dt_fraction <= {most:.3g}; {_measured(table)}"
         )
     for late in late_springs(scene.contact, derived):
         if dt > late.held:
             yield f"{late.family} spring without enough dashpot for kernel:talk", (
-                f"dt = {dt:.3g} s is larger than gamma/k = {late.held:.3g} s of contact.{late.family}{late.at}: the "
-                f"talks' algorithm feels this spring one step late, and small motions of contacts that stick grow "
-                f"slowly at any larger step unless other dashpots hold them (measured {table.date}: {table.command}); "
-                "kernel:talk does not begin, or stops, where they do; no matter of the other engines; "
-                f"{late.mend} or a smaller step mends it"
+                f"dt = {dt:.3g} s > gamma/k = {late.held:.3g} s of contact.{late.family}{late.at}: the talks' "
+                "algorithm feels this spring one step late, so that contacts that stick swing up unless other dashpots "
+                f"hold them, and kernel:talk stops; {late.mend} or a smaller step mends it; no matter of the other "
+                f"engines; {_measured(table)}"
             )
 
 
@@ -145,10 +144,15 @@ def _late_mindlin(contact: Contact, derived: Derived) -> LateSpring:
     springs = [(tangential_springs(contact.sliding, contact.normal, p.met), p) for p in derived.pairs]
     held, pair = min(((s.damping / s.stiffness, p) for s, p in springs), key=lambda both: both[0])
     at = (
-        f" at the overlap {pair.met.largest_overlap:.3g} m of an impact of the {pair.pair.name} pair at normal."
-        f"impact_speed, and gamma/k falls with the overlap to the power 1/4"
+        f" (~ overlap^-1/4; at the {pair.met.largest_overlap:.3g} m of the {pair.pair.name} pair at "
+        "normal.impact_speed)"
     )
     return LateSpring(family="sliding", held=held, mend="a lower normal.restitution", at=at)
+
+
+def _measured(table: Table) -> str:
+    """Say when and by what the table was measured; which engines, and into which file, stands in it."""
+    return f"measured {table.date} by `{table.command.partition(' --engines')[0].partition(' --table')[0]}`"
 
 
 def _laws_in_words(limit: StepLimit) -> str:

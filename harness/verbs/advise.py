@@ -136,11 +136,16 @@ def _run_accuracy(options, out: Path) -> None:
 
 def _run_effects(options, out: Path) -> None:
     from harness.report.effects import write_effects
+    from harness.report.effects_expected import announcement
     from harness.runs.progress import progress_for
     from harness.studies.effects import effects_study
 
-    write_effects(effects_study(
-        options.file, out, quantities=[options.quantity] if options.quantity else None, tolerance=options.tolerance,
-        engines=options.engines, packings=options.packings, time_limit=options.time_limit, workers=options.workers,
-        progress=progress_for,
-    ), out)
+    wanted = {
+        "quantities": [options.quantity] if options.quantity else None, "tolerance": options.tolerance,
+        "only": None, "engines": options.engines, "by": None, "packings": options.packings,
+        "workers": options.workers,
+    }
+    print(announcement(options.file, **wanted), file=sys.stderr, flush=True)
+    write_effects(
+        effects_study(options.file, out, **wanted, time_limit=options.time_limit, progress=progress_for), out
+    )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 from harness.arguments import as_count, as_folder, as_names, as_seconds
@@ -27,15 +28,19 @@ def add(verbs) -> None:
 
 def _effects(options) -> int:
     from harness.report.effects import NAMES, effects_answer, write_effects
+    from harness.report.effects_expected import announcement
     from harness.report.effects_words import paragraph
     from harness.runs.progress import progress_for
     from harness.studies.effects import effects_study
 
     NAMES.check(options.out)
+    wanted = {
+        "quantities": options.quantity, "tolerance": options.tolerance, "only": options.effects,
+        "engines": options.engines, "by": options.by, "packings": options.packings, "workers": options.workers,
+    }
+    print(announcement(options.file, **wanted), file=sys.stderr, flush=True)
     study = effects_study(
-        options.file, options.out, quantities=options.quantity, tolerance=options.tolerance, only=options.effects,
-        engines=options.engines, by=options.by, packings=options.packings, time_limit=options.time_limit,
-        workers=options.workers, progress=progress_for,
+        options.file, options.out, **wanted, time_limit=options.time_limit, progress=progress_for
     )
     page = write_effects(study, options.out)
     show(effects_answer(study), options)

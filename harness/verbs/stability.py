@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 from harness.arguments import as_count, as_folder, as_seconds
@@ -24,16 +25,16 @@ def add(verbs) -> None:
 
 def _stability(options) -> int:
     from harness.report.stability import NAMES, stability_answer, summary, write_stability
+    from harness.report.stability_expected import announcement
     from harness.runs.progress import progress_for
     from harness.studies.stability import stability
 
     if options.list:
         return _list(options)
     NAMES.check(options.out)
-    done = stability(
-        options.cases, options.out, engines=options.engines, long=options.long, time_limit=options.time_limit,
-        workers=options.workers, progress=progress_for,
-    )
+    asked = {"engines": options.engines, "long": options.long, "workers": options.workers}
+    print(announcement(options.cases, **asked), file=sys.stderr, flush=True)
+    done = stability(options.cases, options.out, **asked, time_limit=options.time_limit, progress=progress_for)
     page = write_stability(done, options.out)
     show(stability_answer(done), options)
     if options.json != "-":

@@ -76,6 +76,15 @@ def check_places(path: Path, snapshot: Snapshot) -> Snapshot:
     return snapshot
 
 
+MOST_LISTED = 6
+
+
+def _listed(numbers: np.ndarray) -> str:
+    """Return numbers as an addition to a sentence, a few of many; nothing of none."""
+    shown = [f"{n:.17g}" for n in numbers[:MOST_LISTED]] + ["..."] * (len(numbers) > MOST_LISTED)
+    return f" ({', '.join(shown)})" if shown else ", of which there are none"
+
+
 class _Check:
     """Single checks; rows are counted from 1 in messages."""
 
@@ -128,10 +137,12 @@ class _Check:
         i, j = contacts["i"], contacts["j"]
         known = snapshot.particles["id"]
         self.all_good(np.isin(i, known), i, "contacts.i", "the id of a particle")
-        self.all_good((j < 0) | np.isin(j, known), j, "contacts.j", "the id of a particle, or - the id of a wall")
+        either = "the id of a particle, or of a wall with a minus sign before it"
+        self.all_good((j < 0) | np.isin(j, known), j, "contacts.j", either)
         if snapshot.walls is not None:
             wall = snapshot.walls["id"]
-            self.all_good((j >= 0) | np.isin(-j, wall), j, "contacts.j", "- the id of a wall")
+            expected = "the id of a wall with a minus sign before it" + _listed(-wall)
+            self.all_good((j >= 0) | np.isin(-j, wall), j, "contacts.j", expected)
         self.all_good(i != j, i, "contacts", "two different particles")
         if not any(snapshot.periodic or ()):
             self.once(i, j)

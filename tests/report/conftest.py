@@ -1,5 +1,8 @@
 """Comparisons to report on: of engines that do as they are told, of hand-made boxes, and of hand-made checks."""
 
+import importlib.util
+from pathlib import Path
+
 import pytest
 
 from harness.report.finished import Finished, FinishedRun
@@ -9,6 +12,12 @@ from harness.studies.compare.study import Run
 from harness.studies.verdict import Check, Rerun
 
 LIMIT = 60.0
+
+TESTS = Path(__file__).resolve().parents[1]
+DT_AND_STIFFNESS = {
+    "dt": {0.045: (0.01, 0.002, 10.0), 0.03: (0.006, 0.002, 15.0)},
+    "stiffness": {0.25: (-0.03, 0.004, 5.0), 1.0: (-0.008, 0.003, 10.0)},
+}
 
 
 @pytest.fixture
@@ -92,5 +101,39 @@ def finished_report(ran, tmp_path):
             file=tmp_path / name / "report.json", scene_file="s.toml", scene=scene or {"title": "T"}, exit_status=0,
             summary="so and so", checks=tuple(checks), runs=tuple(runs or (ran("a"), ran("b"))), tables=tables or {},
         )
+
+    return make
+
+
+# --- advice ----------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def made_up_study(tmp_path):
+    """made_up_study(ladders beside dt and stiffness, ...) writes a finished study of biaxial_quick; its folder.
+
+    The study itself is that of tests/studies/advise.
+    """
+    spec = importlib.util.spec_from_file_location("advise_studies", TESTS / "studies" / "advise" / "conftest.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return lambda more_ladders=(), **more: module.Study(
+        tmp_path, DT_AND_STIFFNESS | dict(more_ladders), spread=0.08, **more
+    ).write()
+
+
+@pytest.fixture
+def advised(made_up_study):
+    """advised(tolerance, ladders beside dt and stiffness, ...) is advice from such a study."""
+    from harness.scene.load import load_scene
+    from harness.studies.advise import advise, read_evidence
+
+    file = TESTS.parent / "inputs" / "scenes" / "biaxial_quick.toml"
+
+    def make(tolerance, more_ladders=(), **more):
+        folder = made_up_study(more_ladders, **more)
+        return advise(read_evidence(
+            load_scene(file), file, quantity="friction_angle", folder=folder, effects=None, tolerance=tolerance
+        ), tolerance)
 
     return make

@@ -153,6 +153,7 @@ def test_all_files_hold_the_same(made, tmp_path):
     html = page.read_text()
     assert "&lt;30&gt;" in html
     assert "<30>" not in html
+    assert f"--out {tmp_path}" in html
     assert (tmp_path / NAMES.pictures[0]).read_bytes().startswith(b"\x89PNG")
     assert b"<svg" in (tmp_path / NAMES.pictures[1]).read_bytes()
     data = json.loads((tmp_path / "accuracy.json").read_text())

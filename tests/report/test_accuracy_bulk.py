@@ -201,6 +201,7 @@ def test_rows_for_programs_say_all_they_need(made):
 def test_all_files_hold_the_same(made, tmp_path):
     page = write_bulk(made, tmp_path)
     text = page.read_text()
+    assert f"--out {tmp_path}" in text
     assert "&lt;no&gt; answer" in text
     assert "CPU &lt;1&gt;" in text
     assert "data:image/png;base64," in text
@@ -262,4 +263,5 @@ def test_time_is_told_before():
     assert "52 runs and 4 packings" in line
     assert line.startswith("expected: about")
     line = announcement(FOLDER / "oblique_impact.toml", **none, engines=["kernel:talk"])
-    assert line.endswith("oracles and timing come on top")
+    assert "26 runs" in line
+    assert "besides 3 oracles and timing" in line, "oracles are part of what is told"

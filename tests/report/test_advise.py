@@ -1,6 +1,5 @@
 """Advice as a page, tables, JSON and a scene, from a study made up of numbers; and the command line."""
 
-import importlib.util
 import json
 from pathlib import Path
 
@@ -10,32 +9,14 @@ from harness.cli import main
 from harness.report.advise import NAMES, advise_answer, write_advice
 from harness.report.advise_words import limits, paragraph
 from harness.scene.load import load_scene
-from harness.studies.advise import advise, read_evidence
 
 ROOT = Path(__file__).resolve().parents[2]
 FILE = ROOT / "inputs" / "scenes" / "biaxial_quick.toml"
-_SPEC = importlib.util.spec_from_file_location("advise_studies", ROOT / "tests/studies/advise/conftest.py")
-_MADE_UP = importlib.util.module_from_spec(_SPEC)
-_SPEC.loader.exec_module(_MADE_UP)
-Study = _MADE_UP.Study
-
-LADDERS = {
-    "dt": {0.045: (0.01, 0.002, 10.0), 0.03: (0.006, 0.002, 15.0)},
-    "stiffness": {0.25: (-0.03, 0.004, 5.0), 1.0: (-0.008, 0.003, 10.0)},
-    "width": {0.005: (-0.004, 0.001, 10.0), 0.0025: (-0.001, 0.001, 10.0)},
-}
+WIDTH = {"width": {0.005: (-0.004, 0.001, 10.0), 0.0025: (-0.001, 0.001, 10.0)}}
 
 
-def advised(tmp_path, tolerance, **more):
-    folder = Study(tmp_path, LADDERS, spread=0.08, **more).write()
-    scene = load_scene(FILE)
-    return advise(read_evidence(
-        scene, FILE, quantity="friction_angle", folder=folder, effects=None, tolerance=tolerance
-    ), tolerance)
-
-
-def test_everything_is_written_and_the_scene_loads(tmp_path):
-    advice = advised(tmp_path, 0.05)
+def test_everything_is_written_and_the_scene_loads(advised, tmp_path):
+    advice = advised(0.05, WIDTH)
     write_advice(advice, tmp_path / "out")
     for name in (NAMES.page, "advice.json", "advice.png", "advised.toml", *(f"{t}.csv" for t in NAMES.tables)):
         assert (tmp_path / "out" / name).stat().st_size > 0
@@ -47,8 +28,8 @@ def test_everything_is_written_and_the_scene_loads(tmp_path):
     assert data["expected_error"] <= 0.05
 
 
-def test_words_say_what_was_measured_and_what_is_not_known(tmp_path):
-    advice = advised(tmp_path, 0.05)
+def test_words_say_what_was_measured_and_what_is_not_known(advised):
+    advice = advised(0.05, WIDTH)
     words, told = paragraph(advice), " ".join(limits(advice))
     assert "friction_angle within 5 %" in words
     assert "below the statistical floor: one packing scatters by 8 %" in words
@@ -58,8 +39,8 @@ def test_words_say_what_was_measured_and_what_is_not_known(tmp_path):
     assert "Not measured, so in no sum: rate, size." in told
 
 
-def test_the_sum_is_that_of_its_parts(tmp_path):
-    advice = advised(tmp_path, 0.05)
+def test_the_sum_is_that_of_its_parts(advised):
+    advice = advised(0.05, WIDTH)
     first = advise_answer(advice).data["tables"]["sum"][0]
     assert first["CPU of all (s)"] == first["CPU of one (s)"] * first["packings"]
     assert first["expected error (%)"] <= 5.0
@@ -68,18 +49,18 @@ def test_the_sum_is_that_of_its_parts(tmp_path):
     json.dumps(advise_answer(advice).data, allow_nan=False)
 
 
-def test_without_an_answer_no_scene_is_left(tmp_path):
+def test_without_an_answer_no_scene_is_left(advised, tmp_path):
     out = tmp_path / "out"
-    write_advice(advised(tmp_path, 0.05), out)
-    none = advised(tmp_path, 0.002)
+    write_advice(advised(0.05, WIDTH), out)
+    none = advised(0.002, WIDTH)
     write_advice(none, out)
     assert not (out / "advised.toml").exists()
     assert "No setting is known that keeps friction_angle" in (out / NAMES.page).read_text()
     assert json.loads((out / "advice.json").read_text())["kept"] is False
 
 
-def test_an_extrapolated_setting_is_called_so(tmp_path):
-    advice = advised(tmp_path, 0.013, order=2.0)
+def test_an_extrapolated_setting_is_called_so(advised):
+    advice = advised(0.013, WIDTH, order=2.0)
     assert advice.choice is not None
     words = paragraph(advice) + " ".join(limits(advice))
     assert "extrapolated ones of" in words
@@ -88,21 +69,21 @@ def test_an_extrapolated_setting_is_called_so(tmp_path):
     assert any(r["known from"].startswith("extrapolated: error ~ x^2") for r in rows)
 
 
-def test_the_command_line_gives_advice(tmp_path, capsys):
-    folder = Study(tmp_path, LADDERS, spread=0.08).write()
+def test_the_command_line_gives_advice(made_up_study, tmp_path, capsys):
+    folder = made_up_study(WIDTH)
     words = ["advise", str(FILE), "--tolerance", "0.05", "--quantity", "friction_angle", "--from", str(folder)]
     assert main([*words, "--out", str(tmp_path / "out")]) == 0
     said = capsys.readouterr().out
     assert "What to take" in said
-    assert "For friction_angle within 5 %: lammps with dt" in said
+    assert "For friction_angle within 5 %: lammps with dt_fraction" in said
     assert main([*words, "--out", str(tmp_path / "out"), "--json", "-"]) == 0
     assert json.loads(capsys.readouterr().out)["engine"] == "lammps"
     strict = ["advise", str(FILE), "--tolerance", "0.002", "--from", str(folder), "--out", str(tmp_path / "out")]
     assert main(strict) == 1
 
 
-def test_words_that_a_finished_study_cannot_follow_are_refused(tmp_path, capsys):
-    folder = Study(tmp_path, LADDERS, engines=("lammps", "liggghts"), dearer={"lammps": 2.0}).write()
+def test_words_that_a_finished_study_cannot_follow_are_refused(made_up_study, tmp_path, capsys):
+    folder = made_up_study(WIDTH, engines=("lammps", "liggghts"), dearer={"lammps": 2.0})
     out = tmp_path / "out"
     words = ["advise", str(FILE), "--tolerance", "0.05", "--from", str(folder), "--out", str(out)]
     for more, says in (
@@ -117,7 +98,7 @@ def test_words_that_a_finished_study_cannot_follow_are_refused(tmp_path, capsys)
     for engines in ("lammps", "liggghts"):
         assert main([*words, "--engines", engines]) == 0
         assert json.loads((out / "advice.json").read_text())["engine"] == engines
-        assert f"--engines {engines}" in (out / NAMES.page).read_text()
+        assert f"--engines {engines} --out {out}" in (out / NAMES.page).read_text()
 
 
 @pytest.mark.parametrize(

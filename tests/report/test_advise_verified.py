@@ -2,7 +2,6 @@
 
 import csv
 import dataclasses
-import importlib.util
 import json
 import math
 from pathlib import Path
@@ -22,23 +21,13 @@ from harness.report.advise_verified import (
     verification_line,
 )
 from harness.report.advise_words import limits
-from harness.scene.load import load_scene
-from harness.studies.advise import Verification, advise, read_evidence
+from harness.studies.advise import Verification
 from harness.studies.advise.verification import Side, difference_of, mean_and_error, verdict_of
 from harness.studies.statistics.difference import Difference
 from harness.verbs import advise as verb
 
 ROOT = Path(__file__).resolve().parents[2]
 FILE = ROOT / "inputs" / "scenes" / "biaxial_quick.toml"
-_SPEC = importlib.util.spec_from_file_location("advise_studies", ROOT / "tests/studies/advise/conftest.py")
-_MADE_UP = importlib.util.module_from_spec(_SPEC)
-_SPEC.loader.exec_module(_MADE_UP)
-Study = _MADE_UP.Study
-
-LADDERS = {
-    "dt": {0.045: (0.01, 0.002, 10.0), 0.03: (0.006, 0.002, 15.0)},
-    "stiffness": {0.25: (-0.03, 0.004, 5.0), 1.0: (-0.008, 0.003, 10.0)},
-}
 ADVISED, FINEST = (24.0, 25.0, 26.5), (24.5, 25.5, 26.5)
 
 
@@ -68,12 +57,8 @@ def verified(advised=ADVISED, tolerance=0.05, **facts):
 
 
 @pytest.fixture
-def advice(tmp_path):
-    folder = Study(tmp_path, LADDERS, spread=0.08).write()
-    evidence = read_evidence(
-        load_scene(FILE), FILE, quantity="friction_angle", folder=folder, effects=None, tolerance=0.05
-    )
-    return advise(evidence, 0.05)
+def advice(advised):
+    return advised(0.05)
 
 
 def rows(out, name):
@@ -160,8 +145,8 @@ def test_limits_say_what_was_run_in_place_of_what_was_not(advice):
         assert any("act on each other" in s for s in verification_limits(verified(together=act))) is said
 
 
-def test_a_difference_ends_with_status_one(tmp_path, capsys, monkeypatch):
-    folder, out = Study(tmp_path, LADDERS, spread=0.08).write(), tmp_path / "out"
+def test_a_difference_ends_with_status_one(made_up_study, tmp_path, capsys, monkeypatch):
+    folder, out = made_up_study(), tmp_path / "out"
     words = ["advise", str(FILE), "--tolerance", "0.05", "--from", str(folder), "--out", str(out), "--verify"]
     for advised, status in ((ADVISED, 0), ((14.0, 15.0, 16.5), 1)):
         monkeypatch.setattr(verb, "_verified", lambda *_, a=advised: verified(advised=a))
@@ -171,8 +156,8 @@ def test_a_difference_ends_with_status_one(tmp_path, capsys, monkeypatch):
         assert "All at once, as run" in said
 
 
-def test_no_choice_is_no_verification(tmp_path, capsys):
-    folder, out = Study(tmp_path, LADDERS, spread=0.08).write(), tmp_path / "out"
+def test_no_choice_is_no_verification(made_up_study, tmp_path, capsys):
+    folder, out = made_up_study(), tmp_path / "out"
     words = ["advise", str(FILE), "--tolerance", "0.002", "--from", str(folder), "--out", str(out), "--verify"]
     assert main(words) == 1
     assert NOTHING in capsys.readouterr().out.splitlines()

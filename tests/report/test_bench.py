@@ -104,6 +104,7 @@ def test_the_files_hold_the_same_numbers(whole, tmp_path):
     assert [float(r["median"]) for r in rows] == [r["median"] for r in data["tables"]["ratios"]]
     assert len(data["tables"]["rounds"]) == 3 * (3 * 4 - 1)
     html = page.read_text()
+    assert f"--out {tmp_path}" in html
     assert "CPU &lt;1&gt;" in html
     assert "0.50 (0.50-0.50)" in html
     assert html.count("<img ") == 1

@@ -165,7 +165,7 @@ def test_numbers_over_packings_have_a_spread(biaxial, box):
     assert (row["engine"], row["unit"], row["packings"]) == ("lammps", "N/m", 3)
     assert (row["mean"], row["standard deviation"]) == (pytest.approx(250.0), pytest.approx(25.0))
     shown = next(r for r in macro_page_rows(comparison) if r["quantity"] == "plateau sigma_zz")
-    assert shown["lammps"] == "250 +- 25 (n = 3)"
+    assert shown["lammps"] == "250 (s = 25, n = 3)"
 
 
 def test_a_single_packing_has_no_spread(biaxial, box):
@@ -271,7 +271,7 @@ def test_a_run_that_failed_is_in_every_table(free, tmp_path, third, said):
     row = numbers_of(tmp_path / "report" / "runs.csv")[2]
     assert row["status"] == comparison.runs[2].outcome.status != "completed"
     assert row["reason"]
-    assert row["CPU (s)"] == row["CPU per step (us)"] == ""
+    assert row["CPU (s)"] == row["CPU over steps (us)"] == ""
     status = json.loads(written.data.read_text())["runs"][2]["status"]
     assert status == row["status"]
 
@@ -282,7 +282,7 @@ def test_every_way_to_fail_is_a_sentence():
 
 def test_cost_is_cpu_time_over_steps(free):
     for row, run in zip(run_rows(free()), free().runs, strict=True):
-        assert row["CPU per step (us)"] == pytest.approx(1e6 * run.outcome.cpu_seconds / run.outcome.steps)
+        assert row["CPU over steps (us)"] == pytest.approx(1e6 * run.outcome.cpu_seconds / run.outcome.steps)
 
 
 def test_hostile_words_of_scene_and_engine_are_escaped(free, tmp_path):

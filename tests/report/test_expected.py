@@ -5,6 +5,8 @@ from pathlib import Path
 import pytest
 
 from harness.engines.registry import ENGINES, choose_engines
+from harness.errors import InputError
+from harness.report import effects_expected, stability_expected
 from harness.report.expected import (
     expected_comparison,
     judging_seconds,
@@ -72,3 +74,41 @@ def test_a_scene_says_which_engines_refuse_it_and_why(tmp_path):
     times = {r["name"] for r in answer.tables["Expected run time"]}
     assert times == set(ENGINES) - {r["name"] for r in refused}
     assert "Engines that refuse it" not in scene_answer(SCENES / "biaxial_quick.toml").tables
+
+
+def test_hard_cases_are_counted_with_those_that_they_are_held_against():
+    asked = {"engines": ["kernel:talk"], "long": False, "workers": 1}
+    one = stability_expected.expected_stability(["late_mindlin"], **asked)
+    assert (one.runs, one.packings) == (1, 0)
+    held = stability_expected.expected_stability(["unit_base"], **asked).runs
+    assert stability_expected.expected_stability(["fast_time"], **asked).runs > held, "it has a twin"
+    packed = stability_expected.expected_stability(["pressure_jump_box"], **asked)
+    assert packed.packings == 1
+    line = stability_expected.announcement(["late_mindlin"], **asked)
+    assert line.startswith("expected: about ")
+    assert " for 1 run, on idle cores; what --out holds already is not made again" in line
+    with pytest.raises(InputError, match="no_such"):
+        stability_expected.announcement(["no_such"], **asked)
+
+
+NOTHING = dict.fromkeys(("quantities", "tolerance", "only", "by", "packings", "workers"))
+
+
+def test_effects_are_told_by_their_runs_packings_and_timing():
+    both = {"engines": ["lammps", "kernel:talk"]}
+    line = effects_expected.announcement(SCENES / "biaxial_quick.toml", **NOTHING, **both)
+    assert "and 4 packings" in line
+    assert "besides timing" in line
+    with pytest.raises(InputError, match="--tolerance"):
+        effects_expected.announcement(SCENES / "biaxial_quick.toml", **NOTHING | {"tolerance": 2.0}, **both)
+
+
+def test_a_switch_more_takes_longer_and_a_scene_that_is_not_packed_has_no_packing():
+    scene, file = load_scene(SCENES / "oblique.toml"), SCENES / "oblique.toml"
+    one, two = (
+        effects_expected.expected_effects(scene, file, only, KERNELS, KERNELS[0], packings=1, workers=1)
+        for only in (["gravity"], ["gravity", "sliding friction"])
+    )
+    assert two.seconds > one.seconds
+    assert two.runs > one.runs
+    assert one.packings == 0

@@ -9,6 +9,12 @@ def test_the_command_is_taken_off_the_reason(check):
     assert reason_and_command(check(why="all is well")) == ("all is well", "")
 
 
+def test_what_an_engine_warns_of_is_listed(check, ran):
+    (entry,) = entries([check()], [ran("a"), ran("b", warning="swings could have grown", reproduce="cd x && y")])
+    assert (entry.word, entry.title, entry.why, entry.command) == (
+        "warning", "b, packing 1", "swings could have grown", "cd x && y")
+
+
 def test_runs_that_failed_and_checks_that_differ_are_listed_with_their_command(check, ran):
     runs = [
         ran("a"), ran("b", 1, status="crashed", last_lines=("one", "two"), reproduce="cd x && y"),

@@ -1,11 +1,14 @@
 """Tables, pictures and page of a reproduced result."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 from harness.errors import InputError
 from harness.report.reproduce import (
     check_report_place,
+    command,
     page_folder,
     reproduce_answer,
     study_list,
@@ -136,6 +139,7 @@ def test_the_page_holds_everything(study, ask, result):
     said = ("13 degrees", "An angle", "It converges.", "Second &lt;b&gt;.", "has no such law", "More", "A chart.")
     assert all(words in page for words in said)
     assert page.count("data:image/png") == 2
+    assert f"--out {ask.out}" in page
     names = {p.name for p in page_folder(study, ask).iterdir()}
     assert names == {"report.html", "report.json", "rows.csv", "rates.csv", "c.csv", "c.png", "d.png"}
 
@@ -177,3 +181,13 @@ def test_a_number_has_the_digits_that_its_error_speaks_of(value, error, said):
     from harness.studies.reproduce.protocol import Measured
 
     assert _said(Measured(engine="lammps", value=value, error=error, packings=2)) == said
+
+
+def test_the_command_asks_for_nothing_that_the_study_refuses(study, ask):
+    def refuse(asked):
+        if asked.packings is not None:
+            raise InputError(file="--packings", expected="nothing", got=asked.packings)
+
+    assert "--packings 2" in command(study, ask)
+    assert "--packings" not in command(dataclasses.replace(study, refuse=refuse), ask)
+    assert "--out" not in command(study, ask), "what is kept has no place of one machine"

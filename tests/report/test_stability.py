@@ -58,6 +58,7 @@ def made():
 def test_everything_is_written_and_reads_back(made, tmp_path):
     page = write_stability(made, tmp_path)
     text = page.read_text()
+    assert f"--out {tmp_path}" in text
     assert "bad on lammps" in text
     assert "&lt;much&gt;" in text
     assert "<much>" not in text

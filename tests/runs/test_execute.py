@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from harness.runs.execute import run_one, same_trajectory
+from harness.engines.protocol import Support
+from harness.runs.execute import each_once, run_one, same_trajectory
 from harness.runs.folder import list_runs
 from harness.runs.outcome import describe_outcome, read_outcome
 from postproc.trajectory import read_trajectory, write_trajectory
@@ -81,6 +82,12 @@ def test_last_words_are_kept_and_the_command_repeats_the_failure(in_mode, system
     assert outcome.steps_done == 4
     again = subprocess.run(outcome.reproduce, shell=True, capture_output=True, text=True)
     assert (again.returncode, again.stdout) == (3, "ERROR: neighbour list overflow\n")
+
+
+def test_one_reason_for_several_effects_is_said_once():
+    notes = {"adhesion": "no law", "spin": "no", "memory": "no law"}
+    supports = [Support(effect=e, level="unsupported", note=n) for e, n in notes.items()]
+    assert each_once(supports) == ["adhesion, memory: unsupported: no law", "spin: unsupported: no"]
 
 
 def test_unavailable_and_refused_run_nothing(in_mode, system, root, begun):

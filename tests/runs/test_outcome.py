@@ -110,8 +110,17 @@ def test_failure_ends_with_the_reproduce_command():
 def test_the_same_words_are_said_once():
     said = "unstable: step 12, particle 1 moves 0.6 radii"
     line = describe_outcome(outcome(**CRASH | {"status": "unstable", "reason": said}, last_lines=("begin", said)))
-    assert line == ("flight, fake 1.0: unstable after step 6 of 12: step 12, particle 1 moves 0.6 radii; "
-                    "reproduce: cd x && y")
+    assert line == "flight, fake 1.0: unstable at step 12 of 12: particle 1 moves 0.6 radii; reproduce: cd x && y"
+
+
+@pytest.mark.parametrize(("reason", "where"), [
+    ("step 9: too fast", "at step 9 of 12: too fast;"), ("unstable: step 9: too fast", "at step 9 of 12: too fast;"),
+    ("by step 9: it is gone", "by step 9 of 12: it is gone;"), ("it is gone", "after step 6 of 12: it is gone;"),
+])
+def test_a_failed_run_names_one_step(reason, where):
+    line = describe_outcome(outcome(**CRASH | {"status": "unstable", "reason": reason}))
+    assert f"unstable {where}" in line
+    assert line.count(" step ") == 1
 
 
 def test_refused_run_gives_its_reason():

@@ -209,6 +209,11 @@ def _rungs(scene: Scene, knob: Knob, ladder: Sequence[float] | None) -> tuple[fl
     if knob.words:
         return ()
     values = tuple(_usual(scene, knob)) if ladder is None else tuple(ladder)
+    wrong = [v for v in values if not 0.0 < v <= knob.largest]
+    if wrong:
+        raise InputError(
+            file="--ladder", expected=f"numbers > 0 and <= {knob.largest:g} ({knob.value})", got=f"{wrong[0]:g}"
+        )
     whole = set(values) if isinstance(scene, Free) else {*values, knob.own(scene)}
     distinct = len(set(values))
     if distinct != len(values) or not FEWEST <= len(whole) <= MOST:
@@ -217,9 +222,6 @@ def _rungs(scene: Scene, knob: Knob, ladder: Sequence[float] | None) -> tuple[fl
             file="--ladder", expected=f"{FEWEST} to {MOST} different values of {knob.value}", got=got,
             fix="a slope needs several",
         )
-    wrong = [v for v in values if not 0.0 < v <= knob.largest]
-    if wrong:
-        raise InputError(file="--ladder", expected=f"{knob.value} > 0 and <= {knob.largest:g}", got=f"{wrong[0]:g}")
     broken = [v for v in values if knob.whole and v != round(v)]
     if broken:
         raise InputError(file="--ladder", expected=f"whole numbers ({knob.value})", got=f"{broken[0]:g}")

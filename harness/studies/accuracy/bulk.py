@@ -29,7 +29,7 @@ from harness.studies.accuracy.bulk_plan import Packed, Setting, plan
 from harness.studies.accuracy.bulk_quantities import BULK, bulk_values
 from harness.studies.accuracy.bulk_result import Floor, Ladder, floor_of, scale_of
 from harness.studies.accuracy.bulk_rungs import OWN_WIDTH, Key, Measured, rungs_of
-from harness.studies.accuracy.limit import find_limit, find_order
+from harness.studies.accuracy.limit import Order, find_limit, order_or_why
 from harness.studies.accuracy.shaken import shaking_of
 from harness.studies.accuracy.shown import Grouped
 from harness.studies.prepare import draws_packings
@@ -196,7 +196,7 @@ def _ladder(
 ) -> Ladder:
     rungs = rungs_of(settings, engine.name, done, measured)
     good = [r for r in rungs if r.good]
-    limits, orders, scales = {}, {}, {}
+    limits, orders, orderless, scales = {}, {}, {}, {}
     for bulk in BULK[type(scene)]:
         have = [r for r in good if bulk.name in r.values]
         if not have:
@@ -204,12 +204,17 @@ def _ladder(
         if not wanted.knob.words:
             x, values = [r.x for r in have], np.array([r.values[bulk.name] for r in have])
             limits[bulk.name] = find_limit(x, values, wanted.knob.expected)
-            orders[bulk.name] = find_order(x, values)
+            found = order_or_why(x, values)
+            orders[bulk.name] = found if isinstance(found, Order) else None
+            orderless[bulk.name] = "" if isinstance(found, Order) else found
         own = next((r.values[bulk.name] for r in have if r.own), None)
         scale = scale_of(limits.get(bulk.name), own, bulk.scale(scene) if bulk.scale else None)
         if scale is not None:
             scales[bulk.name] = scale
-    return Ladder(knob=wanted.knob, engine=engine.name, rungs=rungs, limits=limits, orders=orders, scales=scales)
+    return Ladder(
+        knob=wanted.knob, engine=engine.name, rungs=rungs, limits=limits, orders=orders, scales=scales,
+        orderless=orderless,
+    )
 
 
 def _floors(scene: Biaxial | Couette, ladders: Sequence[Ladder]) -> dict[tuple[str, str], Floor]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -99,7 +99,7 @@ class Ladder:
     """All rungs of one knob on one engine, cheapest first.
 
     limits, orders, scales: by quantity; a scale is what errors are measured by. A knob of words (`law`) has no limits:
-    its errors are told against the scene as declared.
+    its errors are told against the scene as declared. orderless: why there is no order, by quantity without one.
     """
 
     knob: Knob
@@ -108,6 +108,7 @@ class Ladder:
     limits: Mapping[str, Limit | None]
     orders: Mapping[str, Order | None]
     scales: Mapping[str, float]
+    orderless: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def own(self) -> Rung | None:

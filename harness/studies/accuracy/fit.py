@@ -37,7 +37,7 @@ def fit_order(dt: Sequence[float], errors: np.ndarray, *, oracle: float) -> Fit 
     phases, which are drawn again with replacement, the same ones on all rungs.
     """
     dt, size = np.asarray(dt), rms(errors)
-    used = (size > ABOVE * oracle) & (size > 0.0)
+    used = _above(size, oracle)
     if used.sum() < FEWEST:
         return None
     x, chosen = np.log(dt[used]), errors[used]
@@ -49,6 +49,26 @@ def fit_order(dt: Sequence[float], errors: np.ndarray, *, oracle: float) -> Fit 
         slope=slope, error=float(np.hypot(scatter, np.std(drawn))), rungs=int(used.sum()), reference=reference,
         at=float(np.exp(offset + slope * np.log(reference))),
     )
+
+
+def why_no_fit(size: Sequence[float], rungs: int, *, oracle: float) -> str:
+    """Return why `fit_order` fits nothing, "" if it fits. size: of the errors of resolved rungs, out of all `rungs`."""
+    if len(size) < FEWEST:
+        return (
+            f"{len(size)} of {rungs} rungs have an answer at {1.0 / RESOLVED:g} steps a contact and more; a line needs "
+            f"{FEWEST}"
+        )
+    used = int(_above(np.asarray(size), oracle).sum())
+    if used >= FEWEST:
+        return ""
+    return (
+        f"{used} of {len(size)} rungs of {1.0 / RESOLVED:g} steps a contact and more lie above {ABOVE:g} times the "
+        f"error of the oracle, {oracle:.1g}; a line needs {FEWEST}"
+    )
+
+
+def _above(size: np.ndarray, oracle: float) -> np.ndarray:
+    return (size > ABOVE * oracle) & (size > 0.0)
 
 
 def rms(errors: np.ndarray) -> np.ndarray:

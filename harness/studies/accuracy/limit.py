@@ -96,23 +96,33 @@ def find_limit(x: Sequence[float], values: np.ndarray, expected: float) -> Limit
 
 
 def find_order(x: Sequence[float], values: np.ndarray) -> Order | None:
-    """Return the order of values (R, K, S) over all rungs.
+    """Return the order of values (R, K, S) over all rungs; None where `order_or_why` says why there is none."""
+    found = order_or_why(x, values)
+    return found if isinstance(found, Order) else None
 
-    None with fewer than three rungs, where they differ by no more than noise, or no power fits: with all packings, or
-    with any of them left out.
+
+def order_or_why(x: Sequence[float], values: np.ndarray) -> Order | str:
+    """Return the order of values (R, K, S) over all rungs, or why they show none.
+
+    Fewer than three rungs, no more than noise between them, or no power that fits: with all packings, or with any of
+    them left out.
     """
     x, values = np.asarray(x, float), np.asarray(values, float)
     whole = np.isfinite(values).all(axis=(0, 2))
-    if len(x) < USED or whole.sum() < 2:
-        return None
+    if len(x) < USED:
+        return f"{len(x)} rung{'s' * (len(x) != 1)} with values; an order needs {USED}"
+    if whole.sum() < 2:
+        return "fewer than two packings have values on all rungs"
     if not _differs((values[np.argmax(x)] - values[np.argmin(x)])[whole]):
-        return None
+        return "coarsest and finest rung differ by no more than noise"
     flat = _projected(x, values[:, whole])
     best = _best_order(x, flat.mean(axis=1))
     if best is None:
-        return None
+        return f"the rungs follow no power between {LEAST:g} and {MOST:g}"
     error = _jackknife(x, flat)
-    return Order(value=best, error=error, rungs=len(x)) if np.isfinite(error) else None
+    if not np.isfinite(error):
+        return "it hangs on one packing: without that one the rungs follow no power"
+    return Order(value=best, error=error, rungs=len(x))
 
 
 def standard_error(each: np.ndarray) -> np.ndarray:

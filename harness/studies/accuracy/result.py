@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.studies.accuracy.cost import Cost
-from harness.studies.accuracy.fit import Fit, rms, step_for
+from harness.studies.accuracy.fit import RESOLVED, Fit, rms, step_for, why_no_fit
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -35,6 +35,11 @@ class Point:
     def good(self) -> bool:
         """Whether there is an error to be drawn."""
         return self.status == "completed"
+
+    @property
+    def resolved(self) -> bool:
+        """Whether it is one of those that an order is fitted over: good, and with enough steps a contact."""
+        return self.good and self.rung <= RESOLVED * (1.0 + 1e-9)
 
     @property
     def offered(self) -> bool:
@@ -72,6 +77,11 @@ class Track:
     def known(self, quantity: str) -> tuple[Point, ...]:
         """Return the good rungs that have this quantity."""
         return tuple(p for p in self.points if p.good and quantity in p.errors)
+
+    def why_no_fit(self, quantity: str) -> str:
+        """Return why no order is fitted, "" if one is."""
+        size = [p.size(quantity) for p in self.known(quantity) if p.resolved]
+        return why_no_fit(size, len(self.points), oracle=self.oracle.get(quantity, 0.0))
 
     def steps_for(self, quantity: str, target: float) -> float | None:
         """Return how many steps keep the error below `target`, None where the ladder does not tell."""

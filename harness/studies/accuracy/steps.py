@@ -24,7 +24,7 @@ from harness.scene.resolve import resolve
 from harness.studies.accuracy.cases import Case, cases_of
 from harness.studies.accuracy.cost import Cost, measure_costs
 from harness.studies.accuracy.exits import errors, exits_of, fault
-from harness.studies.accuracy.fit import RESOLVED, fit_order
+from harness.studies.accuracy.fit import fit_order
 from harness.studies.accuracy.keep import kept_oracle
 from harness.studies.accuracy.oracle import Oracle, convention_of
 from harness.studies.accuracy.phases import SEED, Phased, delays, stepped, with_phases
@@ -74,6 +74,10 @@ class Ladders(NamedTuple):
     cases: tuple[Ladder, ...]
     contact_time: float
     finest: float | None = None
+
+    def finest_step(self, ladder: Ladder) -> float:
+        """Return the step that the oracle of a case is finer than, s."""
+        return (self.finest or min(ladder.values)) * self.contact_time
 
 
 def ladders(scene: Free, file: Path, values: Sequence[float], phases: int, *, seed: int = SEED) -> Ladders:
@@ -144,11 +148,16 @@ def _runs(all_cases: Ladders, engines: Sequence[Engine], out: Path, *, progress,
 # --- oracles -----------------------------------------------------------------------------------------
 
 
+def oracle_plan(all_cases: Ladders, engines: Sequence[Engine]) -> list[tuple[Ladder, str]]:
+    """Return the cases and the conventions that each has an oracle in."""
+    return [(ladder, c) for ladder in all_cases.cases for c in _conventions(ladder.case, engines)]
+
+
 def _oracles(
     all_cases: Ladders, engines: Sequence[Engine], file: Path, out: Path, workers: int | None,
     progress: Callable[[], Progress] | None,
 ) -> dict[tuple[str, str], Oracle]:
-    plan = [(ladder, c) for ladder in all_cases.cases for c in _conventions(ladder.case, engines)]
+    plan = oracle_plan(all_cases, engines)
     labels = [f"oracle: {ladder.case.name}, {c}'s laws" for ladder, c in plan]
     from harness.runs.progress import Silent
 
@@ -159,7 +168,7 @@ def _oracles(
             tasks = [
                 pool.submit(
                     kept_oracle, ladder.plain, c, kept=out / "oracles", file=file, contact_time=all_cases.contact_time,
-                    finest=(all_cases.finest or min(ladder.values)) * all_cases.contact_time,
+                    finest=all_cases.finest_step(ladder),
                 )
                 for ladder, c in plan
             ]
@@ -201,10 +210,15 @@ def _cores() -> set[int]:
     return os.sched_getaffinity(0)
 
 
+def timed_rung(ladder: Ladder) -> int:
+    """Return the number of the rung that sessions run: the finest that is short enough."""
+    short = [k for k, p in enumerate(ladder.phased) if p.system.steps <= TIMED_STEPS]
+    return short[-1] if short else 0
+
+
 def _case_costs(ladder: Ladder, runs: Runs, out: Path, core: int | None) -> dict[str, Cost]:
     """Only engines with a run that passed its checks on the timed rung are timed."""
-    short = [k for k, p in enumerate(ladder.phased) if p.system.steps <= TIMED_STEPS]
-    rung = short[-1] if short else 0
+    rung = timed_rung(ladder)
     outcomes = {e: runs[case, e, k].outcome for case, e, k in runs if case == ladder.case.name and k == rung}
     good = {e: o for e, o in outcomes.items() if o.status == "completed"}
     measured = measure_costs(
@@ -258,7 +272,7 @@ def _point(ladder: Ladder, rung: int, done: Done, cost: Cost, exact: Oracle, *, 
 
 def _fit(points: Sequence[Point], quantity: str, oracle: float):
     """Fit over the rungs on which a contact is resolved."""
-    good = [p for p in points if p.good and p.rung <= RESOLVED * (1.0 + 1e-9)]
+    good = [p for p in points if p.resolved]
     if not good:
         return None
     return fit_order([p.dt for p in good], np.array([p.errors[quantity] for p in good]), oracle=oracle)

@@ -93,7 +93,7 @@ class Evidence:
     ladders: by engine, then knob. spread: scatter of one packing at the scene's own setting, over the scale, by engine.
     engines: those that were asked for, None for all of the study. packings: of the study (phases, of free scenes).
     absent: knobs that were not measured, with the reason. reduced: None where effects were not measured or none may go;
-    effects_say: what is known of them.
+    effects_say: what is known of them; effects_source: the folder of their study, "" without one.
     """
 
     scene: Scene
@@ -108,6 +108,7 @@ class Evidence:
     absent: Mapping[str, str] = dataclasses.field(default_factory=dict)
     reduced: Reduced | None = None
     effects_say: str = "not measured: all stay as declared"
+    effects_source: str = ""
 
     @property
     def free(self) -> bool:
@@ -122,7 +123,7 @@ def absent_knobs(scene: Scene, measured: Sequence[str]) -> dict[str, str]:
         if knob in measured:
             continue
         lacking = WITHOUT.get((kind, knob))
-        found[knob] = f"the scene has none: {lacking}" if knob not in KNOBS[kind] and lacking else (
+        found[knob] = f"not turned in this kind of scene: {lacking}" if knob not in KNOBS[kind] and lacking else (
             "not measured: it stays as declared, and its error is in no sum"
         )
     return found

@@ -42,7 +42,7 @@ def read_evidence(
 def with_effects(evidence: Evidence, folder: Path, *, tolerance: float) -> Evidence:
     """Add what a finished effects study says; raises InputError if there is none, or it is of another scene."""
     place = folder / EFFECTS
-    data = read_effects(folder)
+    data, evidence = read_effects(folder), _with(evidence, effects_source=str(folder))
     _require_same_scene(evidence.scene, data.scene, place, "--effects-from")
     if evidence.quantity not in data.quantities:
         return _with(evidence, effects_say=f"that study did not look at {evidence.quantity}: all stay as declared")

@@ -112,14 +112,23 @@ def _why_not(evidence: Evidence, best: Choice | None, tolerance: float) -> tuple
         )
     left = tolerance - found.systematic
     if found.noise >= left:
-        needed = math.ceil(2.0 * evidence.packings * (found.noise / left) ** 2 * (1.0 - 1e-12))
-        return (
-            f"the tolerance lies below the statistical floor of these ladders: errors of all knobs together are known "
-            f"to {_percent(found.noise)} of the quantity from {evidence.packings} packings; about {needed} in each "
-            f"ladder would bring that down to {_percent(left / math.sqrt(2.0))}, which leaves half of the variance to "
-            "the packings of the answer", needed
-        )
+        return _floor(evidence, found.noise, left)
     return f"one packing scatters by {_percent(found.spread)}: more packings would be needed than there may be", None
+
+
+def _floor(evidence: Evidence, noise: float, left: float) -> tuple[str, int]:
+    """Say from how many packings errors are known too badly, and how many would do; of free scenes phases of the step.
+
+    Boxes and rings need half of the variance for the packings of the answer; a free scene has none.
+    """
+    share, of = (1.0, "phases of the step") if evidence.free else (2.0, "packings")
+    needed = math.ceil(share * evidence.packings * (noise / left) ** 2 * (1.0 - 1e-12))
+    rest = "" if evidence.free else ", which leaves half of the variance to the packings of the answer"
+    return (
+        "the tolerance lies below the statistical floor of these ladders: errors of all knobs together are known to "
+        f"{_percent(noise)} of the quantity from {evidence.packings} {of}; about {needed} in each ladder would bring "
+        f"that down to {_percent(left / math.sqrt(share))}{rest}", needed
+    )
 
 
 def _percent(value: float) -> str:

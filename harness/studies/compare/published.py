@@ -47,7 +47,10 @@ def published_check(published: Published, engine: str, ours: Sequence[float], re
         return Check(**facts, tolerance=None, verdict="inconclusive", why=f"{why}: --packings {FEWEST}")
     half = prediction_half_width(values)
     verdict, note = _verdict(published, outside=bool(abs(values.mean() - published.value) > half), rerun=rerun)
-    text = f"ours {values.mean():.4g} +- {values.std(ddof=1):.2g} {published.unit} over {len(values)} packings"
+    text = (
+        f"ours {values.mean():.4g} {published.unit}, standard deviation {values.std(ddof=1):.2g} over {len(values)} "
+        "packings"
+    )
     return Check(**facts, tolerance=half / abs(published.value), verdict=verdict, why=text + note)
 
 

@@ -66,6 +66,7 @@ class Comparison:
     words: what a user types for each engine, by its name in tables. response: see `harness.studies.compare.chaos`.
     packing_seconds: CPU time of this process in which packings were made; 0 if all were there.
     looks: numbers of replicates that it was judged with, this one last; see `harness.studies.statistics.looks`.
+    command: that makes it again.
     """
 
     scene: Scene
@@ -78,6 +79,7 @@ class Comparison:
     response: Run | None = None
     packing_seconds: float = 0.0
     looks: tuple[int, ...] = ()
+    command: str = ""
 
     @property
     def all_runs(self) -> tuple[Run, ...]:
@@ -145,6 +147,7 @@ def compare(
     return Comparison(
         scene=scene, scene_file=scene_file, starts=tuple(starts), runs=runs, checks=checks, result=result,
         words=words, response=response, packing_seconds=packed, looks=looks,
+        command=rerun(*words) + " --watch" * watched,
     )
 
 

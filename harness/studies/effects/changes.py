@@ -5,8 +5,9 @@ Variants start from the same packings, so their changes are paired (`harness.stu
     change = mean over packings of (variant - as declared)/scale, error of it s/sqrt(n); scale: the mean as declared
     in bars = change/bar, bar = spread over packings of the scene as declared/scale (a standard deviation)
 
-From one packing a time average has the standard errors of both runs, in quadrature, and its own as the bar. A free
-scene has no spread: its changes are exact, the bar is the tolerance.
+From one packing a time average has the standard errors of both runs, in quadrature, and its own as the bar. What is a
+deviation from the scene as declared (`quantities.DEVIATIONS`) has no spread there, and so no bar; of a free scene it is
+exact.
 
     agrees        the change is shown to be smaller than the tolerance (equivalence, one-sided level 5 %)
     differs       it is shown to be larger, or the quantity is gone
@@ -84,7 +85,7 @@ def change_of(m: Measured, variant: str, tolerance: float, failed: str = "") -> 
     scale = abs(signed)
     if not scale > 0.0:
         return Change(**facts, relative=None, error=None, bar=None, verdict="inconclusive", why="its size is 0")
-    found, bar = _difference(m, a, b, variant, both), _bar(m, base, tolerance * scale)
+    found, bar = _difference(m, a, b, variant, both), _bar(m, base)
     numbers = {"relative": float(a.mean() - b.mean()) / signed, "bar": None if bar is None else bar / scale}
     if found is None:
         return Change(**facts, **numbers, error=None, verdict="inconclusive", why="one packing has no error bar")
@@ -147,10 +148,10 @@ def _difference(
     return Difference(value=float(a[0] - b[0]), error=error, dof=MANY, count=1, paired=True)
 
 
-def _bar(m: Measured, base: dict[int, float], tolerance: float) -> float | None:
+def _bar(m: Measured, base: dict[int, float]) -> float | None:
     """Return the error bar of the scene as declared, in the quantity's unit; None where there is none."""
     if m.quantity in DEVIATIONS:
-        return tolerance
+        return None
     if len(base) > 1:
         return float(np.std(list(base.values()), ddof=1))
     return m.run_error(BASE)

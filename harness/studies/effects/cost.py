@@ -111,7 +111,7 @@ def step_costs(
 def _measure(
     timed: Whole, systems: Mapping[str, System], opener: Opener, rounds: int, told: Callable[[float], None]
 ) -> dict[str, StepCost]:
-    finer = max(1, math.ceil(rounds * LEAST / systems[BASE].steps))
+    finer = finer_steps(systems[BASE], rounds)
     many = {
         name: copies(s.with_(dt=s.dt / finer, steps=s.steps * finer)) for name, s in systems.items()
     }
@@ -124,7 +124,7 @@ def _measure(
                 sessions[name] = stack.enter_context(_open(timed, system, Path(folder) / str(number), opener))
             except Lost as why:
                 lost[name] = f"lost while it was built: {why}"
-        steps = _stretches(sessions, many, rounds)
+        steps = stretch_steps(many, lambda: [s.run(LEAST) / LEAST for s in sessions.values()], rounds)
         for number in range(rounds):
             for name in _in_turn([n for n in sessions if n not in lost], number):
                 try:
@@ -148,13 +148,22 @@ def _cost(seconds: list[float], base: list[float], setup: float, steps: int, bod
     )
 
 
-def _stretches(sessions: Mapping[str, Session], systems: Mapping[str, System], rounds: int) -> dict[str, int]:
-    """Return the steps of a stretch by variant: the same time for all, whether their steps are as long or not."""
+def finer_steps(base: System, rounds: int = ROUNDS) -> int:
+    """Return by how much steps are made finer, so that the whole time of a short scene is `rounds` stretches."""
+    return max(1, math.ceil(rounds * LEAST / base.steps))
+
+
+def stretch_steps(
+    systems: Mapping[str, System], step_seconds: Callable[[], list[float]], rounds: int = ROUNDS
+) -> dict[str, int]:
+    """Return the steps of a stretch by variant: the same time for all, whether their steps are as long or not.
+
+    step_seconds: asked where a scene is long enough to choose; CPU s of a step, of every variant.
+    """
     base = systems[BASE]
     wanted = base.steps // rounds
     if wanted > 2 * LEAST:
-        first = [session.run(LEAST) / LEAST for session in sessions.values()]
-        wanted = int(np.clip(STRETCH / float(np.median(first)), LEAST, min(MOST, wanted)))
+        wanted = int(np.clip(STRETCH / float(np.median(step_seconds())), LEAST, min(MOST, wanted)))
     return {name: max(1, round(wanted * base.dt / s.dt)) for name, s in systems.items()}
 
 

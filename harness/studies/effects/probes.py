@@ -20,6 +20,7 @@ import numpy as np
 from harness.engines.protocol import Engine
 from harness.engines.whole import at_zero
 from harness.runs.folder import runs_root
+from harness.runs.outcome import reason_of
 from harness.runs.pool import Done, run_many
 from harness.scene.system import System
 from harness.studies.accuracy.shown import Grouped
@@ -42,7 +43,10 @@ ACTS = 1e-6
 
 @dataclass(frozen=True, kw_only=True)
 class ZeroCheck:
-    """Off against zero on one engine. deviation: see the module. acts: the same between on and off."""
+    """Off against zero on one engine. deviation: see the module. acts: the same between on and off.
+
+    exact: whether the coefficient is 0; else it is next to nothing, as 0 is how the scene says off.
+    """
 
     effect: str
     engine: str
@@ -52,6 +56,7 @@ class ZeroCheck:
     deviation: float | None = None
     acts: float | None = None
     steps: int = 0
+    exact: bool = True
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -123,12 +128,12 @@ def _refusal(engine: Engine, system: System) -> str:
 def _trajectory(done: Done) -> Trajectory | str:
     """Return the run's trajectory, or why there is none."""
     if done.outcome.status != "completed":
-        return f"{done.outcome.status}: {done.outcome.reason}"
+        return reason_of(done.outcome)
     return read_trajectory(done.folder / "trajectory.h5")
 
 
 def _check(pair: OnOff, engine: str, runs: Mapping, refused: Mapping[tuple[str, str, str], str]) -> ZeroCheck:
-    facts = {"effect": pair.effect, "engine": engine, "says": pair.zero_says}
+    facts = {"effect": pair.effect, "engine": engine, "says": pair.zero_says, "exact": pair.exact}
     if pair.zero is None:
         return ZeroCheck(**facts, verdict="not_checked", why=pair.why_no_zero)
     for which in ("on", "off", "zero"):
@@ -143,7 +148,7 @@ def _check(pair: OnOff, engine: str, runs: Mapping, refused: Mapping[tuple[str, 
         return ZeroCheck(**facts, verdict="not_checked", why="off is written as this number: the runs are one")
     if acts <= ACTS:
         return ZeroCheck(**facts, verdict="not_checked", why="it changes nothing within these steps")
-    how = "" if pair.exact else "; 0 is how the scene says off, so next to nothing is compared with nothing"
+    how = "" if pair.exact else "; 0 is how the scene says off, so off is held against next to nothing"
     if apart <= ROUND_OFF:
         return ZeroCheck(**facts, verdict="agrees", why=f"one to round-off{how}")
     known = at_zero(engine, pair.effect)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from harness.errors import InputError
 from harness.runs.folder import runs_root
-from harness.runs.outcome import Host, Outcome, host_facts
+from harness.runs.outcome import Host, Outcome, host_facts, reason_of
 from harness.runs.pool import run_many
 from harness.scene.effects import Effect, effects
 from harness.scene.grains import grains_of
@@ -211,7 +211,7 @@ class _Answered:
     def failed(self) -> dict[str, str]:
         """What became of the first run that did not complete, by variant."""
         bad = {name: next((o for o in of if o.status != "completed"), None) for name, of in self.outcomes.items()}
-        return {name: f"{o.status.replace('_', ' ')}: {o.reason}" for name, o in bad.items() if o is not None}
+        return {name: reason_of(o) for name, o in bad.items() if o is not None}
 
 
 def _answers(frame: _Frame, systems: Mapping[str, Sequence[System]]) -> _Answered:

@@ -335,7 +335,7 @@ def twin(seen: Seen, promise: Invariant, other: Seen) -> float:
 
 
 KINDS: dict[str, Kind] = {
-    "finite": Kind(measure=finite, says="numbers that are none", ruin=0.5),
+    "finite": Kind(measure=finite, says="recorded values that are no finite numbers", ruin=0.5),
     "contained": Kind(measure=contained, says="particles lost", ruin=0.5),
     "meets": Kind(measure=meets, says="no frame shows a contact", ruin=2.0),
     "overlap": Kind(measure=overlap, says="largest overlap over the smaller radius", ruin=1.0),

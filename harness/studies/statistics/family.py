@@ -342,7 +342,7 @@ def _sides(j: Judged) -> str:
     (a, da), (b, db) = t.left, t.right
     sides = f"{a:.4g} +- {da:.2g} and {b:.4g} +- {db:.2g}{unit}"
     how = DESIGNS[t.design].format(t.difference.count)
-    return f"{sides}, {how}: apart by {percent(j.relative)} +- {percent(j.error)}"
+    return f"{sides}, {how}: apart by {percent(j.relative)} +- {percent(j.error)} (standard errors)"
 
 
 def _apart(j: Judged, equivalences: int) -> str:
@@ -386,5 +386,7 @@ def percent(part: float) -> str:
 
     >>> percent(-0.01234), percent(0.0)
     ('-1.2 %', '0 %')
+    >>> percent(1.87)
+    '190 %'
     """
-    return f"{100.0 * part:.2g} %"
+    return f"{float(f'{100.0 * part:.2g}'):g} %"

@@ -116,9 +116,12 @@ DAMAGES = {
     "unknown i": (_contacts(i=[1, 9]), "contacts.i: row 2: expected the id of a particle, got 9"),
     "wall as i": (_contacts(i=[1, -1]), "contacts.i: row 2: expected the id of a particle, got -1"),
     "unknown j": (
-        _contacts(j=[0, -1]), "contacts.j: row 1: expected the id of a particle, or - the id of a wall, got 0",
+        _contacts(j=[0, -1]), "contacts.j: row 1: expected the id of a particle, or of a wall with a minus sign "
+        "before it, got 0",
     ),
-    "unknown wall": (_contacts(j=[2, -2]), "contacts.j: row 2: expected - the id of a wall, got -2"),
+    "unknown wall": (
+        _contacts(j=[2, -2]), "contacts.j: row 2: expected the id of a wall with a minus sign before it (-1), got -2",
+    ),
     "itself": (_contacts(j=[1, -1]), "contacts: row 1: expected two different particles, got 1"),
     "twice": (_contacts(j=[2, 1]), "contacts: row 2: expected every pair of particles once, got 2 and 1 again"),
     "point on a centre": (

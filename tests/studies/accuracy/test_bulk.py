@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +12,6 @@ from harness.studies.accuracy import accuracy
 from harness.studies.accuracy.asked import asked_all
 from harness.studies.accuracy.bulk_plan import bare_settings, plan
 from harness.studies.accuracy.bulk_quantities import BULK, bulk_values
-from harness.studies.accuracy.bulk_rungs import cpu_parts
 from harness.studies.compare.curves import BiaxialCurves
 
 FOLDER = Path(__file__).resolve().parents[3] / "inputs" / "scenes"
@@ -168,18 +166,6 @@ def test_what_cannot_be_asked_writes_nothing(file, tmp_path, words, says):
         accuracy(file, tmp_path / "new", engines=ENGINES, **words)
     assert says in str(error.value)
     assert not (tmp_path / "new").exists()
-
-
-@pytest.mark.parametrize(("timings", "cpu", "wall", "parts"), [
-    ({"setup": 0.2, "run": 7.0, "output": 0.5, "read": 9.0}, 8.0, 20.0, {"setup": 0.2, "run": 7.0, "output": 0.5}),
-    ({"setup": 1.0, "run": 18.0, "output": 1.0, "write": 9.0}, 8.0, 20.5, {"setup": 0.4, "run": 7.2, "output": 0.4}),
-    ({"setup": 2.0, "run": 18.0, "output": 3.0, "forces": 9.0}, 10.0, 20.0, {"setup": 1.0, "run": 7.5, "output": 1.5}),
-    ({"run": 20.0}, 8.0, 20.0, {"run": 8.0}),
-])
-def test_cpu_time_is_shared_out_by_the_engines_own_clock(timings, cpu, wall, parts):
-    """Clocks of the processor, of the wall, of the wall with the output inside the run; and nothing but a run."""
-    outcome = SimpleNamespace(timings=timings, cpu_seconds=cpu, wall_seconds=wall)
-    assert cpu_parts(outcome) == pytest.approx(parts)
 
 
 @pytest.mark.long

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from harness.studies.accuracy.fit import fit_order, step_for
+from harness.studies.accuracy.fit import fit_order, step_for, why_no_fit
 
 DT = [0.04, 0.02, 0.01, 0.005]
 
@@ -36,6 +36,17 @@ def test_what_the_oracle_cannot_tell_is_not_fitted():
     assert fit_order(DT, errors, oracle=0.21 * errors[2, 0]) is None
     assert fit_order(DT, errors, oracle=0.19 * errors[2, 0]).rungs == 3
     assert fit_order(DT[:2], errors[:2], oracle=0.0) is None
+
+
+def test_it_is_told_why_nothing_is_fitted_just_where_nothing_is():
+    errors = scattered(2.0, 0.0)
+    size = list(np.sqrt((errors**2).mean(axis=1)))
+    for rungs, oracle in ((4, 0.0), (4, 0.19 * size[2]), (4, 0.21 * size[2]), (3, 0.0), (2, 0.0), (0, 0.0)):
+        fit = fit_order(DT[:rungs], errors[:rungs], oracle=oracle) if rungs else None
+        assert (why_no_fit(size[:rungs], 6, oracle=oracle) == "") == (fit is not None)
+    assert "2 of 6 rungs have an answer" in why_no_fit(size[:2], 6, oracle=0.0)
+    assert "2 of 4 rungs" in why_no_fit(size, 6, oracle=0.21 * size[2])
+    assert "lie above 5 times the error of the oracle" in why_no_fit(size, 6, oracle=0.21 * size[2])
 
 
 def test_the_step_for_an_error_is_read_off_the_line():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from harness.studies.accuracy import limit as module
-from harness.studies.accuracy.limit import find_limit, find_order, power_weights, standard_error
+from harness.studies.accuracy.limit import Order, find_limit, find_order, order_or_why, power_weights, standard_error
 
 X = np.array([8.0, 4.0, 2.0, 1.0])
 TRUE = 10.0
@@ -54,6 +54,10 @@ def test_noise_is_not_extrapolated():
     difference = (values[1] - values[3])[:, 0]
     assert limit.systematic[0] == pytest.approx(difference.std(ddof=1) / np.sqrt(8))
     assert find_order(X, values) is None
+    assert "no more than noise" in order_or_why(X, values[[0, 1, 2, 0]])
+    assert "follow no power" in order_or_why(X, values)
+    assert "2 rungs with values" in order_or_why(X[:2], values[:2])
+    assert isinstance(order_or_why(X, ladder(2.0, noise=1e-4)), Order)
 
 
 def test_a_ladder_that_bends_back_is_outside_the_asymptotic_range():
@@ -181,3 +185,4 @@ def test_an_order_that_hangs_on_one_packing_is_none():
     values += 1e-6 * np.random.default_rng(2).standard_normal(values.shape)
     values[:, 7, 0] = 10.0 + 0.4 * X
     assert find_order(X, values) is None
+    assert isinstance(order_or_why(X, values), str)

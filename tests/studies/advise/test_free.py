@@ -71,7 +71,7 @@ def test_the_coarsest_step_that_does(tmp_path):
     assert math.isclose(advice.choice.total.error(1), 0.01, rel_tol=1e-6)
     assert math.isclose(advice.choice.seconds, 0.25e-3)
     assert "free" not in advice.evidence.absent
-    assert "scene has none" in advice.evidence.absent["rate"]
+    assert "not turned in this kind of scene" in advice.evidence.absent["rate"]
     assert advice.evidence.ladders["lammps"]["dt"].failed == ("0.64: unstable",)
 
 
@@ -145,6 +145,18 @@ def test_a_free_scene_has_runs_and_no_packings(tmp_path):
     advice = advised(study(tmp_path, EVEN), 0.1)
     assert "packing" not in paragraph(advice)
     assert not [name for row in sum_rows(advice) for name in row if "packing" in name]
+
+
+def test_too_few_phases_are_called_phases(tmp_path):
+    """No error stands out of a noise of 1 %."""
+    folder = study(tmp_path, EVEN)
+    rewritten(folder, lambda data: data["tables"]["oracles"][0].update({"its error": 0.01}))
+    advice = advised(folder, 0.0005)
+    assert advice.choice is None
+    words = paragraph(advice)
+    assert "from 4 phases of the step; about" in words
+    assert "packing" not in words
+    assert advice.needed == pytest.approx(4 * (advice.best.total.noise / 0.0005) ** 2, abs=1.0)
 
 
 def test_phases_that_differ_widen_the_error(tmp_path):

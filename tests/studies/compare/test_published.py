@@ -55,7 +55,7 @@ def test_three_packings_give_a_verdict(number, verdict):
     assert (made.verdict, made.level, made.left, made.right) == (verdict, "L3", "lammps", "a talk")
     assert made.deviation == pytest.approx(abs(10 - number) / number)
     assert made.tolerance == pytest.approx(HALF / number, rel=1e-6)
-    assert made.why.startswith("ours 10 +- 1 N/m over 3 packings")
+    assert made.why.startswith("ours 10 N/m, standard deviation 1 over 3 packings")
     assert made.why.endswith("rerun: grainproof again") is (verdict == "differs")
 
 

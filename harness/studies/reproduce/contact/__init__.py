@@ -207,7 +207,8 @@ def _words(
         f"From k_1, k_2, k_c of {of} pull-off over load follows as {slope:.4g} +- {error:.2g}, without an offset: this "
         "law has no adhesion of a contact that was never pressed. A measured line with an offset (the talk's figure "
         "may have one) needs a constant pull-off force besides.",
-        f"The fitted law stands in the scene {scene.name}, which every command takes.",
+        f"The fitted law stands in the folder of --out as the scene {scene.parent.name}/{scene.name}, which every "
+        "command takes.",
     ]
     if isinstance(own, LawFit) and not own.adhesive:
         said.append("The file shows no adhesive branch, so that k_c is not determined: the pull jumps off, as it does "
