@@ -18,6 +18,6 @@ def records_sliding(system: System) -> str:
     967 discs: 4 to 10 % of the contacts slide, whose recorded forces are 10 to 80 % off on average, and the torque
     through circles 1.5 %.
     """
-    if not isinstance(system.sliding, SpringSliding) or not system.sliding.shear_damping:
+    if not isinstance(system.sliding, SpringSliding) or not any(p.sliding.shear_damping for p in system.of_pairs):
         return ""
     return "recorded forces of sliding contacts have a dashpot that did not act, in the conventions of LIGGGHTS"

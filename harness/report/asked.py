@@ -7,19 +7,23 @@ from dataclasses import replace
 import numpy as np
 
 from harness.scene.contact import (
+    Between,
     ConstantRolling,
+    Contact,
     DmtNormal,
     HertzNormal,
     HystereticNormal,
     JkrNormal,
     LinearNormal,
     MindlinSliding,
+    NormalNumbers,
     SpringRolling,
     SpringSliding,
     SpringTorsion,
     VariableHystereticNormal,
     ViscousSliding,
 )
+from harness.scene.materials import materials_of
 from harness.scene.model import Background
 from harness.scene.system import Constant, Cosine, Loaded, Particles, Ring, System, Wall
 
@@ -63,7 +67,19 @@ def ordinary_cases() -> tuple[System, ...]:
         for base in (walled(dimension), periodic(dimension)):
             cases += [base.with_(normal=law, sliding=None, walls=smooth(base.walls)) for law in NORMALS]
             cases += [base.with_(**laws) for laws in (*TURNING, *((TORSION,) if dimension == 3 else ()))]
+            cases.append(of_materials(base))
     return (*cases, *(ringed().with_(**laws) for laws in ({"sliding": None}, *TURNING)))
+
+
+def of_materials(system: System) -> System:
+    """Return the system with a stiff and a soft body between stiff walls."""
+    stiff = NormalNumbers(normal_stiffness=1e7, normal_damping=0.1)
+    contact = Contact(normal=LINEAR, sliding=SPRING, between=(Between(materials=("stiff", "stiff"), normal=stiff),))
+    words = ("stiff", "soft")
+    return system.with_(
+        particles=replace(system.particles, material=np.array(words)), materials=materials_of(contact, words),
+        walls=tuple(replace(w, material="stiff") for w in system.walls),
+    )
 
 
 def smooth(walls: tuple[Wall, ...]) -> tuple[Wall, ...]:

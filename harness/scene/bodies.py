@@ -10,19 +10,21 @@ from harness.scene.fault import Fault
 from harness.scene.files import Row, cell_error, name_fault, number, read_table
 from harness.scene.model import Body
 from harness.scene.system import INERTIA_FACTOR
+from harness.scene.tables import WORD
 
 
 def read_bodies(path: Path, dimension: int) -> tuple[tuple[Body, ...], list[int]]:
     """Return the particles of a `bodies_file` and the line of each.
 
     Columns x,y[,z],radius,mass in SI units; optionally vx,vy[,vz], the spin wz in 2D or wx,wy,wz in
-    3D, and inertia (a name or the factor q of I = q m a^2; "sphere" without the column).
+    3D, inertia (a name or the factor q of I = q m a^2; "sphere" without the column) and material (a word of
+    `contact.between`; an empty cell is none).
 
     Raises InputError with the line of what is wrong.
     """
     axes = "xyz"[:dimension]
     velocity, spin = [f"v{a}" for a in axes], [f"w{a}" for a in ("z" if dimension == 2 else "xyz")]
-    rows = read_table(path, required=[*axes, "radius", "mass"], optional=[*velocity, *spin, "inertia"])
+    rows = read_table(path, required=[*axes, "radius", "mass"], optional=[*velocity, *spin, "inertia", "material"])
     for group in (velocity, spin):
         _whole_or_absent(group, rows[0], path)
     return tuple(_body(row, axes, velocity, spin, path) for row in rows), [row.line for row in rows]
@@ -63,6 +65,7 @@ def _body(row: Row, axes: str, velocity: list[str], spin: list[str], path: Path)
     return Body(
         position=vector(axes), radius=_positive(row, "radius", path), mass=_positive(row, "mass", path),
         velocity=vector(velocity), spin=vector(spin), inertia=_inertia(row, path),
+        material=_material(row, path),
     )
 
 
@@ -84,6 +87,13 @@ def _inertia(row: Row, path: Path) -> str | float:
     if not 1e-30 <= factor <= 1:
         raise cell_error(row, "inertia", path, '"sphere", "disc", "ring" or a number > 0 and <= 1')
     return factor
+
+
+def _material(row: Row, path: Path) -> str | None:
+    word = row.cells.get("material", "")
+    if word and not WORD.fullmatch(word):
+        raise cell_error(row, "material", path, "a material: a word as in the scene's contact.between")
+    return word or None
 
 
 def _whole_or_absent(columns: list[str], row: Row, path: Path) -> None:

@@ -18,6 +18,7 @@ from harness.scene.describe import either, nearest
 from harness.scene.fault import Fault, show
 from harness.scene.files import name_fault
 from harness.scene.laws import NORMAL, first_stiffness, normal_row, turning, word
+from harness.scene.materials import OF_MATERIALS
 from harness.scene.model import Biaxial, ConstantMotion, CosineMotion, Couette, Free, Plane, Scene
 from harness.scene.ring import OF_RINGS
 from reference.values import published_values
@@ -336,13 +337,13 @@ def _file_fault(scene: Scene, folder: Path) -> Fault | None:
 
 CHECKS: dict[type, tuple[Check, ...]] = {
     Biaxial: (
-        *OF_CONTACTS, packing_can_be_relaxed, pressures_leave_grains_apart,
+        *OF_CONTACTS, *OF_MATERIALS, packing_can_be_relaxed, pressures_leave_grains_apart,
         particles_given_once, radii_in_order, one_packing_of_a_file, windows_within_strain,
         plateau_within_strain, published_values_exist, strains_within_strain,
     ),
-    Couette: (*OF_CONTACTS, *OF_RINGS),
+    Couette: (*OF_CONTACTS, *OF_MATERIALS, *OF_RINGS),
     Free: (
-        *OF_CONTACTS,
+        *OF_CONTACTS, *OF_MATERIALS,
         bodies_given_once, lattice_is_drawn_from_a_seed, vectors_fit_dimension, gravity_is_on, periodic_is_on,
         plane_names_differ, normals_point_somewhere, motions_are_on, rough_planes_have_friction,
         planes_leave_periodic_axes_free, planes_stay_apart,

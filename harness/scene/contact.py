@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
-from harness.scene.tables import NonNegative, Positive, Table
+from harness.scene.tables import Name, NonNegative, Positive, Table
 
 
 class LinearNormal(Table, tag="linear", tag_field="law"):
@@ -158,10 +158,41 @@ class SpringTorsion(Table, tag="spring", tag_field="law"):
     torsion_damping: NonNegative
 
 
+class NormalNumbers(Table):
+    """Numbers of a `linear` normal law."""
+
+    normal_stiffness: Positive
+    normal_damping: NonNegative
+
+
+class SlidingNumbers(Table):
+    """Numbers of a `spring` sliding law without a dynamic coefficient."""
+
+    shear_friction: Positive
+    shear_stiffness: Positive
+    shear_damping: NonNegative
+
+
+class Between(Table):
+    """Two materials (or one twice) and the numbers that stand between them in place of those of `contact`.
+
+    Without `sliding` those of contact.sliding stand.
+    """
+
+    materials: tuple[Name, Name]
+    normal: NormalNumbers
+    sliding: SlidingNumbers | None = None
+
+
 class Contact(Table):
-    """The contact effects between particles; a table that is absent is an effect that does not exist."""
+    """The contact effects between particles; a table that is absent is an effect that does not exist.
+
+    `between` gives numbers for pairs of materials, of linear laws in free scenes; there is no mixing rule, and every
+    pair without an entry has the numbers of `normal` and `sliding`.
+    """
 
     normal: NormalLaw
     sliding: SlidingLaw | None = None
     rolling: RollingLaw | None = None
     torsion: SpringTorsion | None = None
+    between: tuple[Between, ...] = ()

@@ -5,20 +5,19 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from harness.scene.grains import Grains, Pair, grains_of
-from harness.scene.law_scales import HeadOn
-from harness.scene.laws import head_on
+from harness.scene.grains import Grains, grains_of
 from harness.scene.model import Biaxial, LoadedMotion, Scene, SideWall
-from harness.scene.numerics import StabilityLimit, StepPlan, loaded_walls, plan_steps, stability_limit
+from harness.scene.numerics import (
+    PairScales,
+    StabilityLimit,
+    StepPlan,
+    loaded_walls,
+    met_head_on,
+    plan_steps,
+    stability_limit,
+    stiffest_at_wall,
+)
 from harness.scene.system import System
-
-
-@dataclass(frozen=True, kw_only=True)
-class PairScales:
-    """A pair of the scene and what its law makes of it head-on."""
-
-    pair: Pair
-    met: HeadOn
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,7 +67,7 @@ def derive(scene: Scene, system: System | None = None) -> Derived:
     return Derived(
         grains=grains,
         packed=system is not None,
-        pairs=tuple(PairScales(pair=pair, met=head_on(scene.contact.normal, pair)) for pair in grains.pairs),
+        pairs=met_head_on(scene.contact, grains),
         plan=plan_steps(scene, grains),
         stability=stability_limit(scene, grains),
         walls=tuple(wall_scales(scene, name, wall, grains) for name, wall in loaded_walls(scene)),
@@ -99,7 +98,7 @@ def wall_scales(scene: Scene, name: str, wall: LoadedMotion | SideWall, grains: 
 
     eps'' is at most pi^2 eps_f/(2 T^2) of the cosine, at its ends.
     """
-    contacts, stiffness = grains.per_wall, head_on(scene.contact.normal, grains.heaviest).stiffness
+    contacts, stiffness = grains.per_wall, stiffest_at_wall(scene.contact, grains).stiffness
     inertia = damping = None
     if isinstance(scene, Biaxial):
         acceleration = math.pi**2 * scene.top.final_strain / (2 * scene.top.duration**2)

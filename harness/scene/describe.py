@@ -165,7 +165,8 @@ def _describe_union(node: types.UnionType) -> str:
 
 def _describe_array(node: types.VarTupleType | types.TupleType) -> str:
     if isinstance(node, types.TupleType):
-        return f"an array of {len(node.item_types)} numbers"
+        words = any(isinstance(t, types.StrType) for item in node.item_types for t in _unwrap(item))
+        return f"an array of {len(node.item_types)} {'words' if words else 'numbers'}"
     item = node.item_type
     if not isinstance(item, types.FloatType):
         return "an array of tables"

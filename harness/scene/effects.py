@@ -13,8 +13,9 @@ from typing import get_args
 from harness.scene.contact import NormalLaw, RollingLaw, SlidingLaw, SpringSliding, SpringTorsion
 from harness.scene.fault import show
 from harness.scene.laws import NORMAL, TANGENTIAL, normal_row, turning, word
-from harness.scene.model import Background, Biaxial, ConstantMotion, CosineMotion, Couette, LoadedMotion, Scene
-from harness.scene.system import Constant, Cosine, Loaded, System
+from harness.scene.materials import materials_of
+from harness.scene.model import Background, Biaxial, ConstantMotion, CosineMotion, Couette, Free, LoadedMotion, Scene
+from harness.scene.system import Constant, Cosine, Loaded, Materials, System
 from harness.scene.tables import Table
 
 
@@ -34,7 +35,10 @@ class Effect:
 
 @dataclass(frozen=True, kw_only=True)
 class Parts:
-    """What decides on effects, of a scene or of a system alike; walls by name."""
+    """What decides on effects, of a scene or of a system alike; walls by name.
+
+    of_pairs: the normal laws between `materials`, by their words, where a scene has such.
+    """
 
     normal: NormalLaw
     sliding: SlidingLaw | None
@@ -48,6 +52,13 @@ class Parts:
     loaded: tuple[str, ...]
     spinning: bool
     rings: tuple[str, ...] = ()
+    materials: tuple[str, ...] = ()
+    of_pairs: tuple[NormalLaw, ...] = ()
+
+    @property
+    def normals(self) -> tuple[NormalLaw, ...]:
+        """The normal laws that act: of pairs of materials, where there are any."""
+        return self.of_pairs or (self.normal,)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,7 +101,16 @@ def parts_of_system(system: System) -> Parts:
         driven=tuple(w.name for w in system.walls if isinstance(w.motion, Constant | Cosine)),
         loaded=tuple(w.name for w in system.walls if isinstance(w.motion, Loaded)),
         spinning=bool(system.particles.spin.any()), rings=tuple(ring.name for ring in system.rings),
+        **_of_materials(system.materials),
     )
+
+
+def _of_materials(materials: Materials | None) -> dict[str, tuple]:
+    """Return the parts that materials make: none in a system without."""
+    if materials is None:
+        return {}
+    words = tuple(word for word in materials.names if word)
+    return {"materials": words, "of_pairs": tuple(law for row in materials.normal for law in row)}
 
 
 def parts_of_scene(scene: Scene) -> Parts:
@@ -115,7 +135,15 @@ def parts_of_scene(scene: Scene) -> Parts:
         driven=tuple(p.name for p in scene.planes if isinstance(p.motion, ConstantMotion | CosineMotion)),
         loaded=tuple(p.name for p in scene.planes if isinstance(p.motion, LoadedMotion)),
         spinning=any(any(b.spin or ()) for b in scene.bodies),
+        **_of_materials(materials_of(contact, [*_words_of_bodies(scene), *(p.material for p in scene.planes)])),
     )
+
+
+def _words_of_bodies(scene: Free) -> tuple[str | None, ...]:
+    """Return the materials of the bodies; those of a file are not known yet, but all that entries name are used."""
+    if scene.bodies_file is None:
+        return tuple(b.material for b in scene.bodies)
+    return tuple(name for entry in scene.contact.between for name in entry.materials)
 
 
 def _effect(name: str, kind: Kind, found: str, place: str | None) -> Effect:
@@ -134,12 +162,13 @@ def _words(laws: tuple[type, ...]) -> tuple[str, ...]:
 
 
 def _damping(parts: Parts) -> str:
-    return normal_row(parts.normal).damping(parts.normal)
+    found = dict.fromkeys(normal_row(law).damping(law) for law in parts.normals)
+    return ", ".join(word for word in found if word)
 
 
 def _attraction(parts: Parts) -> str:
-    row = normal_row(parts.normal)
-    return "" if row.clips(parts.normal) or not row.damping(parts.normal) else "the law does not clip the dashpot"
+    pulls = any(normal_row(law).damping(law) and not normal_row(law).clips(law) for law in parts.normals)
+    return "the law does not clip the dashpot" if pulls else ""
 
 
 def _adhesion(parts: Parts) -> str:
@@ -165,6 +194,10 @@ def _rotation(parts: Parts) -> str:
     return "initial spins, which nothing changes" if parts.spinning else ""
 
 
+def _materials(parts: Parts) -> str:
+    return f"numbers by pair of {', '.join(parts.materials)}" if parts.materials else ""
+
+
 def _background(parts: Parts) -> str:
     return f"c = {parts.background.translational_drag:g} kg/s" if parts.background else ""
 
@@ -178,6 +211,10 @@ EFFECTS: dict[str, Kind] = {
         place="contact.normal", find=lambda p: _numbers(p.normal), absent="",
         brings="repulsion that grows with the overlap", without="",
         laws=_words(tuple(NORMAL)), law=lambda p: p.normal,
+    ),
+    "materials": Kind(
+        place="contact.between", find=_materials, absent="no table",
+        brings="stiffnesses and dashpots depend on who touches whom", without="one set of numbers for all contacts",
     ),
     "normal damping": Kind(
         place="contact.normal", find=_damping, absent="normal_damping = 0, or restitution = 1",

@@ -11,6 +11,8 @@ import msgspec
 from harness.scene.derived import Derived, PairScales, WallScales, derive
 from harness.scene.effects import effects
 from harness.scene.fault import path_text, show
+from harness.scene.grains import Pair
+from harness.scene.materials import entry_of
 from harness.scene.model import Couette, Free, Scene
 from harness.scene.overlaps import initial_overlaps
 from harness.scene.ring import area_fractions, rings_of
@@ -58,7 +60,7 @@ def explain(
         ("scene", list(_scene_rows(scene))),
         ("particles", [*_particle_rows(derived), *_overlap_rows(scene, system)]),
         ("rings", list(_ring_rows(scene, derived)) if isinstance(scene, Couette) else []),
-        ("contacts", [row for pair in derived.pairs for row in _pair_rows(pair)]),
+        ("contacts", [row for pair in derived.pairs for row in _pair_rows(scene, pair)]),
         ("time step", list(_step_rows(scene, derived))),
         ("drive", list(_drive_rows(derived))),
         ("effects", list(_effect_rows(scene, system))),
@@ -133,9 +135,11 @@ def _overlap_rows(scene: Scene, system: System | None) -> Iterator[Row]:
     yield Row(name="initial overlaps", value=len(size), note=note)
 
 
-def _pair_rows(scales: PairScales) -> Iterator[Row]:
+def _pair_rows(scene: Scene, scales: PairScales) -> Iterator[Row]:
     met, which = scales.met, f"{scales.pair.name} pair"
     yield Row(name=f"{met.time_name}, {which}", value=met.time_scale, unit="s", note=met.time_note)
+    if scales.pair.materials is not None:
+        yield Row(name=f"stiffness, {which}", value=met.stiffness, unit="N/m", note=_materials_note(scene, scales.pair))
     for fact in met.facts:
         what, _, details = fact.name.partition(", ")
         name = ", ".join(part for part in (what, which, details) if part)
@@ -145,14 +149,22 @@ def _pair_rows(scales: PairScales) -> Iterator[Row]:
             yield Row(name=name, value=fact.value, unit=fact.unit, note=fact.note)
 
 
+def _materials_note(scene: Scene, pair: Pair) -> str:
+    """Say where the numbers of two materials stand, and which bodies of theirs it is about."""
+    k = entry_of(scene.contact, *pair.materials)
+    place = "contact.normal" if k is None else f"contact.between[{k}]"
+    return f"{place}; m* = {pair.reduced_mass:.4g} kg of the lightest ones"
+
+
 def _step_rows(scene: Scene, derived: Derived) -> Iterator[Row]:
-    plan = derived.plan
+    plan, first = derived.plan, derived.pairs[0].pair
+    fastest = "smallest" if first.materials is None else first.name
     yield Row(name="time step", value=plan.dt, unit="s", note="duration/steps, at most dt_fraction t_c")
     yield Row(name="steps", value=plan.steps, note="a common multiple of samples and frames")
     yield Row(name="duration", value=scene.duration, unit="s")
     yield Row(name="sample every", value=plan.sample_every, unit="steps")
     yield Row(name="frame every", value=plan.frame_every, unit="steps")
-    yield Row(name="steps per contact", value=derived.steps_per_contact, note="time scale of the smallest pair / dt")
+    yield Row(name="steps per contact", value=derived.steps_per_contact, note=f"time scale of the {fastest} pair / dt")
     note = f"2/omega (sqrt(1 + zeta^2) - zeta), set by the {derived.stability.part}"
     yield Row(name="stability limit", value=derived.stability.dt, unit="s", note=note)
     yield Row(name="stability margin", value=derived.stability_margin, note="limit / time step")

@@ -16,6 +16,7 @@ from importlib import resources
 from harness.scene.contact import Contact, MindlinSliding
 from harness.scene.derived import Derived
 from harness.scene.laws import tangential_springs, word
+from harness.scene.materials import laws_of_pair
 from harness.scene.model import Scene
 from harness.scene.numerics import particle_limit
 
@@ -112,7 +113,8 @@ FAMILY_DAMPING = {"sliding": "shear_damping", "rolling": "rolling_damping", "tor
 class LateSpring:
     """A spring that the talks' algorithm feels one step late. held: gamma/k, s, up to which its dashpot holds it.
 
-    at: the overlap that these are taken at, in words, "" where they do not depend on it; mend: what lengthens gamma/k.
+    at: the overlap, or the pair of materials, that these are taken at, in words, "" where they do not depend
+    on it; mend: what lengthens gamma/k.
     """
 
     family: str
@@ -132,10 +134,13 @@ def late_springs(contact: Contact, derived: Derived) -> Iterator[LateSpring]:
     Contacts that a load presses deeper are held for shorter.
     """
     for family, damping in FAMILY_DAMPING.items():
-        law = getattr(contact, family)
-        stiffness = getattr(law, damping.replace("damping", "stiffness"), None)
-        if stiffness is not None:
-            yield LateSpring(family=family, held=getattr(law, damping) / stiffness, mend=f"more {damping}")
+        stiffness = damping.replace("damping", "stiffness")
+        laws = [(getattr(laws_of_pair(contact, p.pair), family), p.pair) for p in derived.pairs]
+        found = [(getattr(law, damping) / getattr(law, stiffness), p) for law, p in laws if hasattr(law, stiffness)]
+        if found:
+            held, pair = min(found, key=lambda both: both[0])
+            at = "" if pair.materials is None else f" of the {pair.name} pair"
+            yield LateSpring(family=family, held=held, mend=f"more {damping}", at=at)
     if isinstance(contact.sliding, MindlinSliding):
         yield _late_mindlin(contact, derived)
 

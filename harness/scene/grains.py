@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import singledispatch
+from itertools import combinations_with_replacement
 
 import numpy as np
 
@@ -20,12 +21,15 @@ class Pair:
     """Two particles that touch, or one that touches a wall, and what they are.
 
     reduced_mass: m* = m_i m_j/(m_i + m_j), kg, at a wall m_i. reduced_radius: R* = a_i a_j/(a_i + a_j), m,
-    at a wall a_i.
+    at a wall a_i. materials: the words of both, "" for none; None in scenes without materials. at_wall: the second is a
+    wall.
     """
 
     name: str
     reduced_mass: float
     reduced_radius: float
+    materials: tuple[str, str] | None = None
+    at_wall: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,7 +42,7 @@ class Grains:
     turning_share: what one rolling or torsion spring k adds to w^2 of a spin, over k/(q m): 2 (a_ij/a_i)^2
     between particles that turn against each other, a_ij/a_i at most a_max/(a_min + a_max); 1 at a wall.
     side: length of the box (m) along a wall, None when there is no box; per_wall: particles that
-    touch one wall of that length.
+    touch one wall of that length. parts: in scenes with materials the particles of each, with the pairs they are in.
     """
 
     dimension: int
@@ -54,6 +58,7 @@ class Grains:
     turning_share: float
     side: float | None = None
     per_wall: float = 1.0
+    parts: tuple[Grains, ...] = ()
 
 
 def mass_of(law: SphereMass | DiscMass, radius: np.ndarray) -> np.ndarray:
@@ -101,7 +106,7 @@ def _(scene: Free, particles: Particles | None = None, side: float | None = None
     """Masses as given; a single particle can touch walls only."""
     p = particles
     low, high = float(p.radius.min()), float(p.radius.max())
-    return Grains(
+    grains = Grains(
         dimension=scene.dimension, count=len(p), mean_mass=float(p.mass.mean()), total_mass=float(p.mass.sum()),
         largest_radius=high, pairs=_free_pairs(p),
         inverse_mass=float(1.0 / p.mass.min()), inverse_turning=float(1.0 / (p.inertia_factor * p.mass).min()),
@@ -109,6 +114,7 @@ def _(scene: Free, particles: Particles | None = None, side: float | None = None
         heaviest=Pair(name="heaviest", reduced_mass=float(p.mass.max()), reduced_radius=high),
         turning_share=_turning_share(low, high), per_wall=_touching_loaded_walls(scene, p),
     )
+    return grains if p.material is None else _with_materials(grains, scene, p)
 
 
 @grains_of.register
@@ -157,6 +163,49 @@ def _free_pairs(particles: Particles) -> tuple[Pair, ...]:
         return (_pair("only", mass, radius),)
     mean = Pair(name="mean mass", reduced_mass=float(mass.mean() / 2), reduced_radius=float(radius.mean() / 2))
     return (_pair("smallest", mass[:2], radius[:2]), mean, _pair("largest", mass[-2:], radius[-2:]))
+
+
+def _with_materials(grains: Grains, scene: Free, particles: Particles) -> Grains:
+    """Return them with the lightest pair of every two materials, and the particles of each material as a part."""
+    p, words = particles, sorted(set(particles.material.tolist()))
+    found = (_lightest_pair(p, a, b) for a, b in combinations_with_replacement(words, 2))
+    pairs = [pair for pair in found if pair is not None]
+    pairs += [_lightest_at_wall(p, a, b) for a in words for b in sorted({w.material or "" for w in scene.planes})]
+    parts = []
+    for word in words:
+        mine = p.material == word
+        inverse_mass, inverse_turning = (float(1.0 / m[mine].min()) for m in (p.mass, p.inertia_factor * p.mass))
+        touched = tuple(pair for pair in pairs if word in pair.materials[: 1 if pair.at_wall else 2])
+        parts.append(replace(grains, inverse_mass=inverse_mass, inverse_turning=inverse_turning, pairs=touched))
+    return replace(grains, pairs=tuple(pairs), parts=tuple(parts))
+
+
+def _lightest_pair(particles: Particles, one: str, other: str) -> Pair | None:
+    """Return the pair of the lightest particles of two materials; None of a material of one particle with itself."""
+    i, j = _lightest(particles, one), _lightest(particles, other)
+    rows = i[:2] if one == other else np.array([i[0], j[0]])
+    if len(rows) < 2:
+        return None
+    pair = _pair(f"{_said(one)}-{_said(other)}", particles.mass[rows], particles.radius[rows])
+    return replace(pair, materials=(one, other))
+
+
+def _lightest_at_wall(particles: Particles, word: str, wall: str) -> Pair:
+    i = _lightest(particles, word)[0]
+    return Pair(
+        name=f"{_said(word)}-wall" + (f" of {wall}" if wall else ""), reduced_mass=float(particles.mass[i]),
+        reduced_radius=float(particles.radius[i]), materials=(word, wall), at_wall=True,
+    )
+
+
+def _lightest(particles: Particles, word: str) -> np.ndarray:
+    """Return the rows of the particles of a material, lightest first."""
+    rows = np.flatnonzero(particles.material == word)
+    return rows[np.argsort(particles.mass[rows], kind="stable")]
+
+
+def _said(word: str) -> str:
+    return word or "without material"
 
 
 def _pair(name: str, mass: np.ndarray, radius: np.ndarray) -> Pair:

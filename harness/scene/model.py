@@ -72,7 +72,10 @@ class RandomParticles(Table):
 
 
 class Body(Table):
-    """One particle of a free scene; `position` and vectors have 2 or 3 components as the scene has."""
+    """One particle of a free scene; `position` and vectors have 2 or 3 components as the scene has.
+
+    `material` is a word of `contact.between`.
+    """
 
     position: Vector
     radius: Positive
@@ -80,6 +83,7 @@ class Body(Table):
     velocity: Vector | None = None
     spin: tuple[float, ...] | None = None
     inertia: Inertia = "sphere"
+    material: Name | None = None
 
 
 class Background(Table):
@@ -285,13 +289,14 @@ class LoadedMotion(Table, tag="loaded", tag_field="kind"):
 class Plane(Table):
     """A flat wall through `point`; `normal` points to the side where the particles are.
 
-    With `friction` the particles' own sliding, rolling and torsion laws act at it too.
+    With `friction` the particles' own sliding, rolling and torsion laws act at it too. `material` as of a `Body`.
     """
 
     name: Name
     point: Vector
     normal: Vector
     friction: bool
+    material: Name | None = None
     motion: ConstantMotion | CosineMotion | LoadedMotion | None = None
 
 
@@ -299,8 +304,8 @@ class Free(Table, tag="free", tag_field="kind"):
     """Explicit particles, planes, gravity: collisions, single bodies, chains and lattices.
 
     `bodies` stand inline, in a CSV file (`bodies_file`: x,y[,z],radius,mass and optionally vx,vy[,vz], wz in 2D or
-    wx,wy,wz in 3D, inertia) or on a lattice (`bodies_from`). `periodic` gives the box length of each axis, 0 for
-    open ones.
+    wx,wy,wz in 3D, inertia, material) or on a lattice (`bodies_from`). `periodic` gives the box length of each axis, 0
+    for open ones.
     """
 
     title: Title

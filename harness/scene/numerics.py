@@ -8,8 +8,10 @@ from dataclasses import dataclass
 
 from harness.scene.contact import Contact, NormalLaw
 from harness.scene.fault import Fault
-from harness.scene.grains import Grains
+from harness.scene.grains import Grains, Pair
+from harness.scene.law_scales import HeadOn
 from harness.scene.laws import Springs, head_on, tangential_springs
+from harness.scene.materials import laws_of_pair
 from harness.scene.model import Background, Biaxial, Free, LoadedMotion, Scene, SideWall
 
 MOST_STEPS = 2_000_000_000
@@ -36,6 +38,14 @@ class StepPlan:
 
 
 @dataclass(frozen=True, kw_only=True)
+class PairScales:
+    """A pair of the scene and what its law makes of it head-on."""
+
+    pair: Pair
+    met: HeadOn
+
+
+@dataclass(frozen=True, kw_only=True)
 class StabilityLimit:
     """Largest stable dt (s), the part of the system that sets it ("particles" or a wall's name), its zeta."""
 
@@ -46,7 +56,13 @@ class StabilityLimit:
 
 def requested_step(scene: Scene, grains: Grains) -> float:
     """Return dt_fraction times the time scale of the smallest pair, s."""
-    return scene.numerics.dt_fraction * head_on(scene.contact.normal, grains.pairs[0]).time_scale
+    return scene.numerics.dt_fraction * met_head_on(scene.contact, grains)[0].met.time_scale
+
+
+def met_head_on(contact: Contact, grains: Grains) -> tuple[PairScales, ...]:
+    """Return the pairs under their laws: the smallest first, with materials the one of the shortest time."""
+    found = [PairScales(pair=p, met=head_on(laws_of_pair(contact, p).normal, p)) for p in grains.pairs]
+    return tuple(sorted(found, key=lambda s: s.met.time_scale) if grains.parts else found)
 
 
 def plan_steps(scene: Scene, grains: Grains) -> StepPlan:
@@ -81,21 +97,33 @@ def stability_limit(scene: Scene, grains: Grains) -> StabilityLimit:
     2 zeta w = (2 n gamma_n + gamma_wall)/M.
 
     k_n, k_t and their dashpots are the largest that the laws show: k_2 or k_p of a hysteretic law; of laws
-    that stiffen, those at the largest overlap of an impact at `impact_speed`.
+    that stiffen, those at the largest overlap of an impact at `impact_speed`. With materials the particles of each are
+    asked with the largest springs and dashpots that they meet, m_min the lightest of that material: the rows of the
+    stiffness matrix over the masses, which bound its eigenvalues, know the springs of one particle only.
     Dense disc packings became unstable at 1.2 times this limit or later (measured with linear laws, LAMMPS
     and LIGGGHTS).
     """
     limits = [particle_limit(scene.contact, grains, scene.background)]
-    limits += [_wall_limit(name, wall, scene.contact.normal, grains) for name, wall in loaded_walls(scene)]
+    limits += [_wall_limit(name, wall, scene.contact, grains) for name, wall in loaded_walls(scene)]
     return min(limits, key=lambda limit: limit.dt)
 
 
 def particle_limit(contact: Contact, grains: Grains, background: Background | None = None) -> StabilityLimit:
     """Return the part of `stability_limit` that the particles set."""
+    return min((_part_limit(contact, part, background) for part in grains.parts or (grains,)), key=lambda s: s.dt)
+
+
+def _part_limit(contact: Contact, grains: Grains, background: Background | None) -> StabilityLimit:
     square, rate = _particle_rates(contact, grains)
     if background:
         rate += background.translational_drag * grains.inverse_mass
     return _limit("particles", square, rate)
+
+
+def stiffest_at_wall(contact: Contact, grains: Grains) -> HeadOn:
+    """Return what the stiffest contact at a wall shows: of the heaviest particle, by any law of materials."""
+    laws = [laws_of_pair(contact, pair) for pair in grains.pairs if pair.at_wall] or [contact]
+    return max((head_on(c.normal, grains.heaviest) for c in laws), key=lambda met: met.stiffness)
 
 
 def leapfrog_limit(square: float, rate: float) -> float:
@@ -173,6 +201,17 @@ def _deep_impact_fault(normal: NormalLaw, grains: Grains) -> Iterator[Fault]:
 
 def _particle_rates(contact: Contact, grains: Grains) -> tuple[float, float]:
     """W^2 (1/s^2) and 2 zeta w (1/s) of the fastest mode of the particles."""
+    squares, rates = zip(*(_rates_under(laws, grains) for laws in _laws_met(contact, grains)), strict=True)
+    return max(squares), max(rates)
+
+
+def _laws_met(contact: Contact, grains: Grains) -> list[Contact]:
+    """Return the laws of all pairs, which are one without materials; those of no pair, of a part, are of no use."""
+    found = {laws_of_pair(contact, pair): None for pair in grains.pairs}
+    return list(found) or [contact]
+
+
+def _rates_under(contact: Contact, grains: Grains) -> tuple[float, float]:
     met = head_on(contact.normal, grains.lightest)
     laws = (contact.sliding, contact.rolling, contact.torsion)
     sliding, rolling, torsion = (tangential_springs(law, contact.normal, met) for law in laws)
@@ -188,8 +227,8 @@ def _network_rate(normal: float, shear: float, turning: float, grains: Grains) -
     return COORDINATION[grains.dimension] * (max(both, 2 * shear * grains.inverse_turning) + spins)
 
 
-def _wall_limit(name: str, wall: LoadedMotion | SideWall, normal: NormalLaw, grains: Grains) -> StabilityLimit:
-    contacts, met = 2 * grains.per_wall, head_on(normal, grains.heaviest)
+def _wall_limit(name: str, wall: LoadedMotion | SideWall, contact: Contact, grains: Grains) -> StabilityLimit:
+    contacts, met = 2 * grains.per_wall, stiffest_at_wall(contact, grains)
     square = contacts * met.stiffness / wall.mass
     rate = (contacts * met.damping + wall.damping) / wall.mass
     return _limit(f'wall "{name}"', square, rate)

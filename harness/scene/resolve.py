@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Protocol
 
@@ -19,6 +19,7 @@ from harness.scene.bodies import read_bodies, read_packing_file
 from harness.scene.fault import Fault
 from harness.scene.grains import Grains, grains_of, inertia_factor, mass_of
 from harness.scene.lattice import lattice_particles
+from harness.scene.materials import material_faults, materials_of
 from harness.scene.model import (
     Biaxial,
     Body,
@@ -34,7 +35,7 @@ from harness.scene.model import (
 from harness.scene.numerics import StepPlan, numerics_faults, plan_steps
 from harness.scene.placement import EXPLICIT, PACKED, Origin, check_placement, component_faults
 from harness.scene.ring import FlowingDiscs, flowing_discs, rings_of
-from harness.scene.system import Constant, Cosine, Cycles, Loaded, Particles, System, Wall
+from harness.scene.system import Constant, Cosine, Cycles, Loaded, Materials, Particles, System, Wall
 
 __all__ = [
     "known_system", "needs_packing", "read_packing_file", "resolve", "resolve_biaxial",
@@ -92,24 +93,31 @@ def resolve_free(scene: Free, folder: Path, *, name: str = "scene") -> System:
     Raises InputError for particles that start where they may not, and for a time step too large.
     """
     file = Path(folder) / f"{name}.toml"
-    particles, origin = _particles(scene, Path(folder), file)
+    particles, materials, origin = _particles(scene, Path(folder), file)
     system = System(
         dimension=scene.dimension, particles=particles, gravity=scene.gravity, periodic=scene.periodic,
-        walls=tuple(_plane_wall(k, plane) for k, plane in enumerate(scene.planes, start=1)),
-        **_common(scene, _checked_plan(scene, grains_of(scene, particles), file), name),
+        walls=tuple(_plane_wall(k, plane, materials) for k, plane in enumerate(scene.planes, start=1)),
+        materials=materials, **_common(scene, _checked_plan(scene, grains_of(scene, particles), file), name),
     )
     check_placement(system, origin, EXPLICIT)
     return system
 
 
-def _particles(scene: Free, folder: Path, file: Path) -> tuple[Particles, Origin]:
+def _particles(scene: Free, folder: Path, file: Path) -> tuple[Particles, Materials | None, Origin]:
     if scene.bodies_from is not None:
         particles = lattice_particles(scene.bodies_from)
         places = [f"bodies_from, body {k + 1}" for k in range(len(particles))]
-        return particles, Origin(file=file, places=places)
-    bodies, origin = _bodies(scene, folder, file)
-    _refuse(component_faults(bodies, scene.dimension, origin), origin.file)
-    return _explicit_particles(bodies, scene.dimension), origin
+        words, origin = (None,) * len(particles), Origin(file=file, places=places)
+    else:
+        bodies, origin = _bodies(scene, folder, file)
+        _refuse(component_faults(bodies, scene.dimension, origin), origin.file)
+        particles, words = _explicit_particles(bodies, scene.dimension), tuple(b.material for b in bodies)
+    for place, fault in material_faults(scene, words, origin, file):
+        raise fault.error(place)
+    materials = materials_of(scene.contact, (*words, *(plane.material for plane in scene.planes)))
+    if materials is not None:
+        particles = replace(particles, material=np.array([word or "" for word in words]))
+    return particles, materials, origin
 
 
 def _bodies(scene: Free, folder: Path, file: Path) -> tuple[tuple[Body, ...], Origin]:
@@ -133,11 +141,12 @@ def _explicit_particles(bodies: tuple[Body, ...], dimension: int) -> Particles:
     )
 
 
-def _plane_wall(index: int, plane: Plane) -> Wall:
+def _plane_wall(index: int, plane: Plane, materials: Materials | None) -> Wall:
     length = math.sqrt(sum(n * n for n in plane.normal))
     return Wall(
         index=index, name=plane.name, point=plane.point, normal=tuple(n / length for n in plane.normal),
         friction=plane.friction, motion=_motion(plane.motion),
+        material=None if materials is None else plane.material or "",
     )
 
 

@@ -10,10 +10,11 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import asdict, dataclass, field, replace
+from itertools import combinations_with_replacement
 
 import numpy as np
 
-from harness.scene.contact import NormalLaw, RollingLaw, SlidingLaw, SpringTorsion
+from harness.scene.contact import LinearNormal, NormalLaw, RollingLaw, SlidingLaw, SpringSliding, SpringTorsion
 from harness.scene.model import Background
 
 INERTIA_FACTOR = {"sphere": 0.4, "disc": 0.5, "ring": 1.0}
@@ -25,7 +26,8 @@ class Particles:
     """Initial particles; id is the row number + 1.
 
     x, v: (N, dim) in m, m/s. radius, mass: (N,) in m, kg. inertia_factor: (N,), q in I = q m a^2.
-    spin: (N, 1) in 2D (about z, counter-clockwise positive) or (N, 3), in rad/s.
+    spin: (N, 1) in 2D (about z, counter-clockwise positive) or (N, 3), in rad/s. material: (N,), the word of each
+    one's material, "" for none; None in systems without materials.
     """
 
     x: np.ndarray
@@ -34,9 +36,15 @@ class Particles:
     inertia_factor: np.ndarray
     v: np.ndarray
     spin: np.ndarray
+    material: np.ndarray | None = None
 
     def __len__(self) -> int:
         return len(self.radius)
+
+    def rows(self, chosen: np.ndarray | slice) -> Particles:
+        """Return some of the particles, or all of them several times."""
+        arrays = {name: getattr(self, name) for name in self.__dataclass_fields__}
+        return replace(self, **{name: a[chosen] for name, a in arrays.items() if a is not None})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,7 +107,7 @@ class Loaded:
 
 @dataclass(frozen=True, kw_only=True)
 class Wall:
-    """A plane; `index` counts from 1 and contacts name the wall as j = -index."""
+    """A plane; `index` counts from 1 and contacts name the wall as j = -index. material: a word as of `Particles`."""
 
     index: int
     name: str
@@ -107,6 +115,43 @@ class Wall:
     normal: tuple[float, ...]
     friction: bool
     motion: Constant | Cosine | Loaded | None = None
+    material: str | None = None
+
+    def identity(self) -> dict:
+        """The wall as JSON-able data; without materials it has none."""
+        plain = asdict(self) | {"motion_kind": type(self.motion).__name__}
+        return {k: v for k, v in plain.items() if k != "material" or v is not None}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Materials:
+    """The laws between materials, which differ in the laws' numbers only.
+
+    names: (K,) words in alphabetical order, "" of bodies and walls without one. normal, sliding: (K, K), the law
+    between two, whichever comes first; sliding is None without friction.
+    """
+
+    names: tuple[str, ...]
+    normal: tuple[tuple[LinearNormal, ...], ...]
+    sliding: tuple[tuple[SpringSliding, ...], ...] | None
+
+    def number(self, word: str) -> int:
+        """Return the place of a word among the names."""
+        return self.names.index(word)
+
+    def numbers(self, words: np.ndarray) -> np.ndarray:
+        """Return the places of words (N,) among the names, (N,)."""
+        return np.searchsorted(np.array(self.names), words)
+
+    def table(self, family: str, number: str) -> np.ndarray:
+        """Return one number of the laws of a family ("normal", "sliding"), (K, K)."""
+        return np.array([[getattr(law, number) for law in row] for row in getattr(self, family)])
+
+    def identity(self) -> dict:
+        """The materials as JSON-able data."""
+        laws = {"normal": self.normal, "sliding": self.sliding or ()}
+        tables = {family: [[_struct(law) for law in row] for row in rows] for family, rows in laws.items()}
+        return {"names": self.names, **tables}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -139,7 +184,8 @@ class System:
 
     `periodic` holds one box length an axis, 0 for open axes; None when no axis is periodic; the box
     starts at the origin. `sample_every`, `frame_every` are in steps and divide `steps`. With `rotations` (2D
-    with a law that turns them only) frames carry the angle that every particle has turned since the start.
+    with a law that turns them only) frames carry the angle that every particle has turned since the start. With
+    `materials` the numbers of `normal` and `sliding` are those of pairs without an entry: ask `between` for a pair's.
     """
 
     dimension: int
@@ -159,6 +205,7 @@ class System:
     torsion: SpringTorsion | None = None
     rotations: bool = False
     rings: tuple[Ring, ...] = ()
+    materials: Materials | None = None
     scene_name: str = field(default="scene")
     title: str = field(default="")
 
@@ -166,21 +213,42 @@ class System:
         """Return the wall of this name."""
         return next(w for w in self.walls if w.name == name)
 
+    def between(self, one: str | None, other: str | None) -> System:
+        """Return the system with the laws between two materials everywhere; itself in systems without materials."""
+        if self.materials is None:
+            return self
+        sliding, (a, b) = self.materials.sliding, (self.materials.number(word) for word in (one, other))
+        return self.with_(
+            normal=self.materials.normal[a][b], sliding=None if sliding is None else sliding[a][b],
+            materials=None, particles=replace(self.particles, material=None),
+            walls=tuple(replace(w, material=None) for w in self.walls),
+        )
+
+    @property
+    def of_pairs(self) -> tuple[System, ...]:
+        """The system with the laws of every two materials; itself alone in systems without materials."""
+        if self.materials is None:
+            return (self,)
+        return tuple(self.between(*pair) for pair in combinations_with_replacement(self.materials.names, 2))
+
     def digest(self) -> str:
         """SHA-256 of everything that decides the result; names and titles are not part of it."""
         return hashlib.sha256(json.dumps(self.identity(), sort_keys=True).encode()).hexdigest()
 
     def identity(self) -> dict:
         """The system as JSON-able data, particle arrays replaced by their hash."""
-        walls = [asdict(w) | {"motion_kind": type(w.motion).__name__} for w in self.walls]
+        walls = [w.identity() for w in self.walls]
         effects = {k: _struct(getattr(self, k)) for k in _LAWS}
         plain = {k: getattr(self, k) for k in _PLAIN}
         rings = {"rings": [ring.identity() for ring in self.rings]} if self.rings else {}
-        return {"walls": walls, "particles": self.particles_digest(), **effects, **plain, **rings}
+        materials = {"materials": self.materials.identity()} if self.materials else {}
+        return {"walls": walls, "particles": self.particles_digest(), **effects, **plain, **rings, **materials}
 
     def particles_digest(self) -> str:
         """SHA-256 of the particle arrays as little-endian float64."""
-        return _digest(*(getattr(self.particles, a) for a in ("x", "radius", "mass", "inertia_factor", "v", "spin")))
+        p = self.particles
+        materials = () if p.material is None else (self.materials.numbers(p.material),)
+        return _digest(p.x, p.radius, p.mass, p.inertia_factor, p.v, p.spin, *materials)
 
     def with_(self, **changes) -> System:
         """Return a copy with some fields changed."""

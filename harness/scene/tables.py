@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Annotated
 
 from msgspec import Meta, Struct
@@ -10,10 +11,11 @@ Positive = Annotated[float, Meta(gt=0)]
 NonNegative = Annotated[float, Meta(ge=0)]
 Count = Annotated[int, Meta(ge=1)]
 Vector = Annotated[tuple[float, ...], Meta(min_length=2, max_length=3)]
+WORD = re.compile(r"\A[a-z][a-z0-9_]{0,23}\Z")
 Name = Annotated[
     str,
     Meta(
-        pattern=r"\A[a-z][a-z0-9_]{0,23}\Z",
+        pattern=WORD.pattern,
         description="a word of up to 24 lower-case letters, digits and _, beginning with a letter",
     ),
 ]

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from reference.kernel.laws.by_pair import ByPair
 from reference.kernel.model import Model
 from reference.kernel.state import State
 
@@ -47,12 +48,15 @@ def batch(models: Sequence[Model], *, room: float) -> Batch:
     """Return the replicas as one model, each with `room` (m) on both sides for what its particles will travel.
 
     Bodies pressed together at the start fly farther than their velocities tell, so the caller has to know.
-    Raises ValueError for walls, rings or periodic axes, which may reach into other replicas, and for different laws.
+    Raises ValueError for walls, rings or periodic axes, which may reach into other replicas, and for different laws;
+    laws by pair of materials know the nodes of one model.
     """
     first = models[0]
     for m in models:
         if m.walls or m.rings or m.periodic is not None:
             raise ValueError("replicas: expected no walls, no rings and no periodic axes, which others may meet")
+        if isinstance(m.normal, ByPair) or isinstance(m.sliding, ByPair):
+            raise ValueError("replicas: expected laws with one set of numbers, got tables over pairs of materials")
         if any(getattr(m, name) != getattr(first, name) for name in _SHARED):
             raise ValueError(f"replicas: expected the same {', '.join(_SHARED)} in all")
     reach = 2.0 * (room + max(float(m.radius.max()) for m in models))

@@ -153,7 +153,11 @@ class CorrectedSimulation(Simulation):
         f_t = forces.force[:, which] - total * before
         f_t = f_t - dot(f_t, n) * n
         theta = share_in_contact(c.overlap[which], negative_gap)
-        along, across = missed_force(self.model, theta, f_n=total, elastic=forces.elastic[which], f_t=f_t)
+        friction = 0.0 if interaction.sliding is None else interaction.sliding.coefficient(c)
+        if isinstance(friction, np.ndarray):
+            friction = friction[which]
+        along, across = missed_force(
+            self.model, theta, f_n=total, elastic=forces.elastic[which], f_t=f_t, friction=friction)
         self._give(i, j, dt * (along * n + across))
         if c.v_t is not None:
             self._turn(i, j, overlap, dt * torque_cross(n, across))
@@ -189,12 +193,15 @@ def share_in_contact(overlap: np.ndarray, negative_gap: np.ndarray) -> np.ndarra
 
 
 def missed_force(
-    model: Model, theta: np.ndarray, *, f_n: np.ndarray, elastic: np.ndarray, f_t: np.ndarray
+    model: Model, theta: np.ndarray, *, f_n: np.ndarray, elastic: np.ndarray, f_t: np.ndarray,
+    friction: float | np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return what the half kicks missed over dt, along the normal, (K,), and across it, (dim, K), in N."""
+    """Return what the half kicks missed over dt, along the normal, (K,), and across it, (dim, K), in N.
+
+    friction: mu, one number or (K,).
+    """
     p, q = model.normal.onset
     along = missed(p, theta) * elastic + missed(q, theta) * (f_n - elastic)
-    friction = getattr(model.sliding, "shear_friction", 0.0)
     slides = norm(f_t) >= (1.0 - 1e-9) * friction * np.maximum(f_n, 0.0)
     return along, np.where(slides, _ratio(along, f_n), missed(0.0, theta)) * f_t
 

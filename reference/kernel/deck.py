@@ -1,6 +1,7 @@
 """The kernel's own deck: `kernel.json` (walls, laws, numerics) and `particles.csv`, one folder a run.
 
-With rings also `rings.csv`: a line for every glued disc.
+With rings also `rings.csv`: a line for every glued disc. With `materials` (their words) the numbers of laws are tables
+over pairs of them, particles have a column and walls a key `material`: a number, from 0 on.
 """
 
 from __future__ import annotations
@@ -44,7 +45,7 @@ def particle_columns(dimension: int) -> list[str]:
 def read_deck(folder: Path) -> tuple[Model, Plan]:
     """Return the problem, told from its middle if that is far from the origin, and the plan of a run folder."""
     deck = json.loads((folder / DECK).read_text())
-    columns = particle_columns(deck["dimension"])
+    columns = particle_columns(deck["dimension"]) + ["material"] * ("materials" in deck)
     glued = _columns(folder / RINGS, RING_COLUMNS) if "rings" in deck else {}
     model = _model(deck, _columns(folder / PARTICLES, columns), glued)
     return near_origin(model), Plan(**deck["plan"])
@@ -69,7 +70,7 @@ def _model(deck: dict, p: dict[str, np.ndarray], glued: dict[str, np.ndarray]) -
         mass=p["mass"].copy(),
         inertia=p["inertia"].copy(),
         walls=tuple(_wall(w) for w in deck["walls"]),
-        **_laws(deck, convention),
+        **_laws(deck, convention, _kinds(deck, p)),
         convention=convention,
         dt=deck["dt"],
         gravity=_tuple(deck.get("gravity")),
@@ -80,12 +81,21 @@ def _model(deck: dict, p: dict[str, np.ndarray], glued: dict[str, np.ndarray]) -
     )
 
 
-def _laws(deck: dict, convention: Convention) -> dict[str, Law | None]:
+def _kinds(deck: dict, p: dict[str, np.ndarray]) -> np.ndarray | None:
+    """The number of each node's material, (nodes,), from 0 on; None without materials. Raises ValueError with rings."""
+    if "materials" not in deck:
+        return None
+    if "rings" in deck:
+        raise ValueError("materials: expected a deck without rings, whose discs are of none")
+    return np.concatenate([p["material"], [w["material"] for w in deck["walls"]]]).astype(np.intp)
+
+
+def _laws(deck: dict, convention: Convention, kind: np.ndarray | None) -> dict[str, Law | None]:
     """The laws of all families; None for what the deck does not name."""
-    normal = build_law("normal", deck["normal"], convention)
+    normal = build_law("normal", deck["normal"], convention, kind=kind)
     tangential = [family for family in LAWS if family != "normal"]
     named = {family: deck.get(family) for family in tangential}
-    made = {k: None if table is None else build_law(k, table, convention, normal) for k, table in named.items()}
+    made = {k: None if table is None else build_law(k, table, convention, normal, kind) for k, table in named.items()}
     return {"normal": normal, **made}
 
 

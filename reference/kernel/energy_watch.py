@@ -100,7 +100,7 @@ def _stored(simulation: Simulation) -> list[float]:
 def _held(interaction: Interaction, forces: Forces, family: str) -> np.ndarray:
     """Return min(U, (mu f)^2/2k), (M,), in J: a sliding spring that carries mu f together with a dashpot is longer."""
     law, c = getattr(interaction, family), forces.contact
-    limit = friction_of(law, family) * interaction.pressing(c, forces.f_n, forces.elastic).base
+    limit = friction_of(law, family, c) * interaction.pressing(c, forces.f_n, forces.elastic).base
     return np.minimum(law.energy(c, forces.memory[family]), limit**2 / (2.0 * law.spring(c)[0]))
 
 

@@ -25,6 +25,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from reference.kernel.laws.contact import Touching
 from reference.kernel.laws.law import Law
 from reference.kernel.model import Model
 from reference.kernel.neighbours import branch_vectors
@@ -100,14 +101,17 @@ FAMILIES = {"sliding": "shear", "rolling": "rolling", "torsion": "torsion"}
 """Families that may have springs, and how the numbers of theirs begin."""
 
 
-def own_spring(law: Law | None, family: str) -> tuple[float, float]:
-    """Return stiffness, N/m, and damping, kg/s, of a law's spring; zeros where it has none, or none of its own."""
+def own_spring(law: Law | None, family: str) -> tuple[float | np.ndarray, float | np.ndarray]:
+    """Return stiffness, N/m, and damping, kg/s, of a law's spring; zeros where it has none, or none of its own.
+
+    Of a law by pair of materials they are tables.
+    """
     return tuple(getattr(law, f"{FAMILIES[family]}_{name}", 0.0) for name in ("stiffness", "damping"))
 
 
-def friction_of(law: Law, family: str) -> float:
-    """Return the coefficient of friction of a law, (-)."""
-    return getattr(law, f"{FAMILIES[family]}_friction")
+def friction_of(law: Law, family: str, contact: Touching) -> float | np.ndarray:
+    """Return the coefficient of friction of contacts, one number or (M,), (-)."""
+    return law.coefficient(contact) if family == "sliding" else getattr(law, f"{FAMILIES[family]}_friction")
 
 
 def refuse_late_springs(model: Model, steps: int) -> None:
@@ -123,11 +127,14 @@ def refuse_late_springs(model: Model, steps: int) -> None:
 
 
 def _late_growth(model: Model, family: str, steps: int) -> float:
-    """Return W^2 (dt - gamma/k) t/2 of the lightest body; 0 of what is not felt late, or has no spring of its own."""
+    """Return W^2 (dt - gamma/k) t/2 of the lightest body; 0 of what is not felt late, or has no spring of its own.
+
+    Of springs by pair of materials the one that grows fastest counts, whoever the lightest body touches.
+    """
     law = getattr(model, family)
     stiffness, damping = own_spring(law, family)
-    if getattr(law, "algorithm", None) != "talk" or stiffness == 0.0:
+    if getattr(law, "algorithm", None) != "talk" or not np.all(stiffness):
         return 0.0
     moved = 1.0 / model.mass if family == "sliding" else 0.0
     square = stiffness * float((moved + model.radius**2 / model.inertia).max())
-    return 0.5 * square * (model.dt - damping / stiffness) * model.dt * steps
+    return float(np.max(0.5 * square * (model.dt - damping / stiffness) * model.dt * steps))

@@ -71,7 +71,7 @@ def _may_be_fed(model: Model, family: str) -> bool:
     if isinstance(law, MindlinSliding):
         return True
     stiffness, damping = own_spring(law, family)
-    return damping < model.dt * stiffness
+    return bool(np.any(damping < model.dt * stiffness))
 
 
 class LateSprings:

@@ -121,7 +121,7 @@ def _sticks(interaction: Interaction, forces: Forces, family: str) -> np.ndarray
     c, memory = forces.contact, forces.memory.get(family)
     if family == "sliding" and memory is not None and len(memory) > len(c.n):
         return memory[-1] == 0.0
-    friction = friction_of(getattr(interaction, family), family)
+    friction = friction_of(getattr(interaction, family), family, c)
     limit = friction * interaction.pressing(c, forces.f_n, forces.elastic).base
     return _CARRIED[family](c, forces) < (1 - AT_LIMIT) * limit
 

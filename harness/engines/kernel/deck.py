@@ -25,7 +25,7 @@ def render_deck(system: System, convention: str) -> dict[str, str]:
         "convention": convention,
         "dt": system.dt,
         "plan": _plan(system),
-        "normal": _law(system.normal),
+        "normal": _law(system, "normal"),
         "walls": [_wall(w, system) for w in system.walls],
         **_optional(system),
     }
@@ -39,8 +39,10 @@ def _plan(system: System) -> dict:
 
 
 def _optional(system: System) -> dict:
-    laws = {family: getattr(system, family) for family in ("sliding", "rolling", "torsion")}
-    on: dict = {family: _law(law) for family, law in laws.items() if law is not None}
+    families = [f for f in ("sliding", "rolling", "torsion") if getattr(system, f) is not None]
+    on: dict = {family: _law(system, family) for family in families}
+    if system.materials is not None:
+        on["materials"] = list(system.materials.names)
     if system.background is not None:
         on["drag"] = system.background.translational_drag
     if system.gravity is not None:
@@ -54,18 +56,25 @@ def _optional(system: System) -> dict:
     return on
 
 
-def _law(law) -> dict:
-    """The scene's table of a law, without what is not given and without what only chooses the time step."""
+def _law(system: System, family: str) -> dict:
+    """The scene's table of a law, without what is not given and without what only chooses the time step.
+
+    With materials its numbers are tables over pairs of them.
+    """
     import msgspec
 
-    table = msgspec.to_builtins(law)
-    return {k: v for k, v in table.items() if v is not None and k != "impact_speed"}
+    table = msgspec.to_builtins(getattr(system, family))
+    given = {k: v for k, v in table.items() if v is not None and k != "impact_speed"}
+    if system.materials is None:
+        return given
+    return {k: v if isinstance(v, str) else system.materials.table(family, k).tolist() for k, v in given.items()}
 
 
 def _wall(wall: Wall, system: System) -> dict:
+    material = {} if system.materials is None else {"material": system.materials.number(wall.material)}
     return {
         "name": wall.name, "point": list(wall.point), "normal": list(wall.normal), "friction": wall.friction,
-        "motion": _motion(wall.motion, system),
+        "motion": _motion(wall.motion, system), **material,
     }
 
 
@@ -107,5 +116,12 @@ def _particles(system: System) -> str:
     header = ["id", *axes, "radius", "mass", "inertia", *(f"v{a}" for a in axes), *spins]
     inertia = p.inertia_factor * p.mass * p.radius**2
     table = np.column_stack([p.x, p.radius, p.mass, inertia, p.v, p.spin])
-    rows = (",".join([str(k + 1), *(repr(float(value)) for value in row)]) for k, row in enumerate(table))
+    materials = [""] * len(p)
+    if system.materials is not None:
+        header.append("material")
+        materials = [f",{m}" for m in system.materials.numbers(p.material)]
+    rows = (
+        ",".join([str(k + 1), *(repr(float(value)) for value in row)]) + material
+        for k, (row, material) in enumerate(zip(table, materials, strict=True))
+    )
     return "\n".join([",".join(header), *rows]) + "\n"

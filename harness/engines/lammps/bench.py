@@ -89,6 +89,8 @@ GRANULAR = TimedLammps(name="lammps granular", style="granular", note="pair gran
 
 
 def _hooke_refusal(system: System) -> str:
+    if system.materials is not None:
+        return "gran/hooke[/history] has one set of numbers for all contacts"
     if not isinstance(system.normal, LinearNormal) or not isinstance(system.sliding, SpringSliding | None):
         return "gran/hooke[/history] has the linear laws only"
     if system.rolling is not None or system.torsion is not None:

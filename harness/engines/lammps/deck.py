@@ -12,6 +12,7 @@ from harness.engines.lammps.box import Box, simulation_box
 from harness.engines.lammps.effects import drag_lines, gravity_lines, integration_lines
 from harness.engines.lammps.files import CONTACTS, DECK, PACKING
 from harness.engines.lammps.law import pair_law
+from harness.engines.lammps.materials import group_of_materials, materials_comment, pair_coefficients
 from harness.engines.lammps.neighbours import neighbour_lines
 from harness.engines.lammps.output import (
     check_interval,
@@ -89,8 +90,9 @@ def contact_lines(system: System, box: Box) -> list[str]:
     return [
         "",
         "# contacts between grains",
+        *materials_comment(system),
         "pair_style granular",
-        f"pair_coeff * * {pair_law(system)}",
+        *pair_coefficients(system, pair_law),
         *neighbour_lines(system, box),
     ]
 
@@ -113,7 +115,7 @@ def atom_lines(system: System, box: Box) -> list[str]:
 
     `newton off` and no sorting keep the order of a pair fixed, one process keeps sums in one order.
     """
-    grains = [str(t) for t in kinds(system).values()]
+    grains = [str(t) for types in kinds(system).values() for t in types]
     others = ", then glued discs" if system.rings else ""
     others += ", then wall carriers" if loaded_walls(system) else ""
     return [
@@ -135,6 +137,7 @@ def atom_lines(system: System, box: Box) -> list[str]:
         "unfix grain_mass",
         f"group grains type {' '.join(grains)}",
         *group_lines(system),
+        *group_of_materials(system),
     ]
 
 

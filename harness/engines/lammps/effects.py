@@ -13,11 +13,12 @@ from harness.scene.system import System
 def integration_lines(system: System) -> list[str]:
     """Return velocity Verlet: with rotation by moment of inertia, or without where nothing turns."""
     lines = ["", "# velocity Verlet; forces see the half-step velocities v(t+dt/2), w(t+dt/2)"]
-    for kind, atom_type in kinds(system).items():
+    for kind, types in kinds(system).items():
         if kind == "grain":
             lines.append("fix integrate grains nve")
         else:
-            lines += [f"group {kind}s type {atom_type}", f"fix integrate_{kind}s {kind}s {INTEGRATORS[kind]}"]
+            of_kind = " ".join(str(t) for t in types)
+            lines += [f"group {kind}s type {of_kind}", f"fix integrate_{kind}s {kind}s {INTEGRATORS[kind]}"]
     if system.dimension == 2:
         lines.append("fix flat all enforce2d")
     return [*lines, f"timestep {number(system.dt)}"]

@@ -141,7 +141,7 @@ class Lammps:
         return read_lammps(
             folder, dimension=system.dimension, planes=planes, periodic=system.periodic,
             inertia_factor=system.particles.inertia_factor, contacts=system.contacts, rotations=system.rotations,
-            sliding=system.sliding is not None, spring_stiffness=clone_stiffness(system.sliding),
+            sliding=system.sliding is not None, spring_stiffness=clone_stiffness(system),
             rings=read_as(system),
         )
 

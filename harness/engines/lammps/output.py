@@ -12,7 +12,8 @@ from harness.engines.family import MEAN_SPIN, rotation_lines
 from harness.engines.glued import series_columns, series_lines
 from harness.engines.lammps.files import STATE
 from harness.engines.lammps.law import clone_stiffness, pair_law, springs_law
-from harness.engines.lammps.walls import force_sums
+from harness.engines.lammps.materials import pair_coefficients
+from harness.engines.lammps.walls import force_sums, frame_columns
 from harness.engines.text import comment
 from harness.scene.system import System
 
@@ -60,18 +61,16 @@ def contacts_deck(system: System, neighbours: list[str]) -> str:
     The pair style is given again, because pair granular does not restore its cutoffs from a restart
     file: they are whatever stood in memory, and contacts go missing. The springs are kept.
     """
-    law = pair_law(system)
     lines = [
         f"# contacts of {comment(system.scene_name)}, from the restart files of in.lammps",
         f"variable frame loop 0 {system.steps // system.frame_every}",
         "label next_frame",
         f"variable at equal ${{frame}}*{system.frame_every}",
-        *_clone_lines(system, TOTAL, [*neighbours, "pair_style granular", f"pair_coeff * * {law}"]),
+        *_clone_lines(system, TOTAL, [*neighbours, "pair_style granular", *pair_coefficients(system, pair_law)]),
     ]
-    if clone_stiffness(system.sliding) is not None:
-        no_slip = springs_law(system)
+    if clone_stiffness(system) is not None:
         at_rest = ["velocity all set 0 0 0", "set group all omega 0 0 0"]
-        settings = [*neighbours, "pair_style granular", f"pair_coeff * * {no_slip}", *at_rest]
+        settings = [*neighbours, "pair_style granular", f"pair_coeff * * {springs_law(system)}", *at_rest]
         lines += _clone_lines(system, SPRINGS, settings)
     return "\n".join([*lines, "", "next frame", "jump SELF next_frame", ""])
 
@@ -108,15 +107,14 @@ def _table_line(fix: str, file: str, every: int, columns: dict[str, str]) -> str
 def _frame_lines(system: System) -> list[str]:
     flat = system.dimension == 2
     columns = "id xu yu vx vy omegaz" if flat else "id xu yu zu vx vy vz omegax omegay omegaz"
-    walls = [
-        f"f_wall_{w.name}[{k}]" for w in system.walls for k in range(1, 2 + system.dimension)
-    ] if system.contacts else []
-    more = " ".join([MEAN_SPIN, *walls] if system.rotations else walls)
+    made, names = frame_columns(system) if system.contacts else ([], {})
+    more = " ".join([MEAN_SPIN, *names] if system.rotations else names)
+    renamed = [f'dump_modify frames colname {given} "{name}"' for given, name in names.items() if given != name]
     return [
-        *rotation_lines(system),
+        *rotation_lines(system), *made,
         "",
         f"dump frames grains custom {system.frame_every} {FRAMES} {columns} radius mass {more}".rstrip(),
-        "dump_modify frames sort id format float %.17g",
+        "dump_modify frames sort id format float %.17g", *renamed,
     ]
 
 

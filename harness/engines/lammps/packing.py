@@ -1,8 +1,8 @@
 """The data file: particles, the glued discs of rings, and one carrier atom for every loaded wall.
 
 Atom types tell the moments of inertia apart (LAMMPS integrates a group either as spheres or as
-discs); then comes the type of the glued discs, and last that of the carriers. Masses stand in a
-section of their own, because the density column of the Atoms section would round them.
+discs), and the materials where there are any; then comes the type of the glued discs, and last that of
+the carriers. Masses stand in a section of their own, because the density column of the Atoms section would round them.
 """
 
 from __future__ import annotations
@@ -19,18 +19,32 @@ INTEGRATORS = {"sphere": "nve/sphere", "disc": "nve/sphere disc"}
 """The moments of inertia LAMMPS can integrate, and how; "disc" in 2D only."""
 
 
-def kinds(system: System) -> dict[str, int]:
-    """Return atom type by kind of grain; one kind "grain" when nothing turns them."""
-    if not rotates(system):
-        return {"grain": 1}
+def kinds(system: System) -> dict[str, tuple[int, ...]]:
+    """Return atom types by kind of grain, one a material; one kind "grain" when nothing turns them."""
     factors = system.particles.inertia_factor
-    present = [k for k in INTEGRATORS if np.any(factors == INERTIA_FACTOR[k])]
-    return {kind: t for t, kind in enumerate(present, start=1)}
+    present = [k for k in INTEGRATORS if np.any(factors == INERTIA_FACTOR[k])] if rotates(system) else ["grain"]
+    count = len(words(system))
+    return {kind: tuple(range(k * count + 1, (k + 1) * count + 1)) for k, kind in enumerate(present)}
+
+
+def words(system: System) -> tuple[str | None, ...]:
+    """Return the words of the materials, in the order of the types of a kind; (None,) without materials."""
+    return (None,) if system.materials is None else system.materials.names
+
+
+def types_of_material(system: System, word: str | None) -> tuple[int, ...]:
+    """Return the atom types of a material, one a kind."""
+    return tuple(types[words(system).index(word)] for types in kinds(system).values())
+
+
+def grain_types(system: System) -> int:
+    """Return the number of atom types of grains."""
+    return sum(len(types) for types in kinds(system).values())
 
 
 def carrier_type(system: System) -> int:
     """Return the atom type of the wall carriers, the last one."""
-    return len(kinds(system)) + bool(system.rings) + 1
+    return grain_types(system) + bool(system.rings) + 1
 
 
 def packing_data(system: System, box: Box) -> str:
@@ -72,18 +86,18 @@ def _atoms(system: System) -> list[str]:
     ]
     discs = glued(system)
     rows += [
-        f"{i} {len(kinds(system)) + 1} {number(2 * a)} 1 {numbers(x)} 0"
+        f"{i} {grain_types(system) + 1} {number(2 * a)} 1 {numbers(x)} 0"
         for i, a, x in zip(discs.id, discs.radius, discs.x, strict=True)
     ]
     return rows + [f"{carrier_id(system, w)} {carrier_type(system)} 0 1 0 0 0" for w in loaded_walls(system)]
 
 
 def _types(system: System) -> np.ndarray:
-    of_kind = kinds(system)
-    if not rotates(system):
-        return np.ones(len(system.particles), dtype=int)
-    factors = system.particles.inertia_factor
-    return sum(t * (factors == INERTIA_FACTOR[k]).astype(int) for k, t in of_kind.items())
+    first = np.ones(len(system.particles), dtype=int)
+    if rotates(system):
+        factors = system.particles.inertia_factor
+        first = sum(t[0] * (factors == INERTIA_FACTOR[k]).astype(int) for k, t in kinds(system).items())
+    return first if system.materials is None else first + system.materials.numbers(system.particles.material)
 
 
 def _velocities(system: System) -> list[str]:

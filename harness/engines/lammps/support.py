@@ -23,6 +23,10 @@ from harness.scene.effects import effects_on
 from harness.scene.system import INERTIA_FACTOR, Constant, System
 
 NOTES: dict[str, tuple[Level, str]] = {
+    "materials": (
+        "exact", "a type for each material and a pair_coeff for every two types, so that nothing is mixed; at a wall a"
+        " fix for each law"
+    ),
     "normal damping": ("exact", "forces see half-step velocities v(t+dt/2)"),
     "damping attraction": ("exact", "no limit_damping: the dashpot may pull"),
     "wall friction": ("equivalent", "the law between grains with R_eff = R, m_eff = m and lever arm R"),
@@ -72,14 +76,14 @@ def _known(system: System, effect: str) -> Support:
 
 def _shear_damping(system: System) -> list[Support]:
     """LAMMPS has tangential damping as a multiple of the normal one only."""
-    gamma = constant_damping(system.sliding)
-    if gamma == 0.0:
+    damped = [pair for pair in system.of_pairs if constant_damping(pair.sliding) > 0.0]
+    if not damped:
         return []
-    if not constant_ratio(system.normal, gamma):
+    if not all(constant_ratio(pair.normal, constant_damping(pair.sliding)) for pair in damped):
         note = "it is a multiple of the normal damping, which varies with the overlap in this normal law"
         return [Support(effect="tangential damping", level="unsupported", note=note)]
     note = "x_t = gamma_t/gamma_n"
-    if getattr(system.normal, "normal_damping", 0.0) == 0.0:
+    if any(getattr(pair.normal, "normal_damping", 0.0) == 0.0 for pair in damped):
         note = "gamma_n = 0: a normal damping of 2^-100 gamma_t, lost in rounding, carries x_t = 2^100"
     return [Support(effect="tangential damping", level="equivalent", note=note)]
 

@@ -14,10 +14,12 @@ keeps the atom at its place in the box wherever the wall goes.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 
 from harness.engines.facts import carrier_id, is_periodic, loaded_walls
-from harness.engines.lammps.law import wall_law
+from harness.engines.lammps.materials import wall_laws
 from harness.engines.text import number, numbers
 from harness.scene.system import Constant, Cosine, Loaded, System, Wall
 
@@ -30,7 +32,7 @@ def wall_lines(system: System) -> list[str]:
     lines: list[str] = []
     for wall in system.walls:
         lines += ["", f"# wall {wall.index}: {wall.name}", *motion_lines(system, wall)]
-        lines += [_region_line(system, wall), _contact_line(system, wall)]
+        lines += [_region_line(system, wall), *_contact_lines(system, wall)]
     return lines
 
 
@@ -89,8 +91,31 @@ def carrier_axis(system: System) -> int:
 
 
 def force_sums(system: System, wall: Wall) -> list[str]:
-    """Return the names of the force components of the wall on the grains, one an axis."""
-    return [f"c_F_{wall.name}[{a + 1}]" for a in range(system.dimension)]
+    """Return the force components of the wall on the grains, one an axis."""
+    return [_sum(f"c_F_{name}[{a + 1}]" for name, *_ in wall_laws(system, wall)) for a in range(system.dimension)]
+
+
+def frame_columns(system: System) -> tuple[list[str], dict[str, str]]:
+    """Return lines for a dump of the forces of walls on each grain, and its columns with the names they are to bear.
+
+    A wall with several laws has a fix for each material; a grain is seen by one of them, and has zeros in the others.
+    """
+    lines, columns = [], {}
+    for wall in system.walls:
+        fixes = [name for name, *_ in wall_laws(system, wall)]
+        for k in range(1, 2 + system.dimension):
+            name = f"f_wall_{wall.name}[{k}]"
+            given = name if len(fixes) == 1 else f"v_wall_{wall.name}_{k}"
+            if given != name:
+                terms = "+".join(f"f_wall_{fix}[{k}]" for fix in fixes)
+                lines.append(f"variable wall_{wall.name}_{k} atom {terms}")
+            columns[given] = name
+    return lines, columns
+
+
+def _sum(terms: Iterable[str]) -> str:
+    terms = list(terms)
+    return terms[0] if len(terms) == 1 else f"({'+'.join(terms)})"
 
 
 def _cosine_lines(system: System, name: str, motion: Cosine) -> list[str]:
@@ -123,13 +148,15 @@ def _direction(wall: Wall) -> list[str]:
     return [f"{number(n)}*v_disp_{wall.name}" if n else "" for n in wall.normal]
 
 
-def _contact_line(system: System, wall: Wall) -> str:
-    law = wall_law(system, wall)
-    sums = " ".join(f"f_wall_{wall.name}[{a + 2}]" for a in range(system.dimension))
-    return (
-        f"fix wall_{wall.name} grains wall/gran/region granular {law} region plane_{wall.name} contacts\n"
-        f"compute F_{wall.name} grains reduce sum {sums}"
-    )
+def _contact_lines(system: System, wall: Wall) -> list[str]:
+    lines = []
+    for name, group, law in wall_laws(system, wall):
+        sums = " ".join(f"f_wall_{name}[{a + 2}]" for a in range(system.dimension))
+        lines += [
+            f"fix wall_{name} {group} wall/gran/region granular {law} region plane_{wall.name} contacts",
+            f"compute F_{name} {group} reduce sum {sums}",
+        ]
+    return lines
 
 
 def _loaded_lines(system: System, wall: Wall) -> list[str]:

@@ -130,7 +130,9 @@ def _overlap_energy(system: System) -> float:
     if system.rings:
         discs = glued(system)
         overlaps.append(p.radius[:, None] + discs.radius - np.linalg.norm(p.x[:, None] - discs.x, axis=2))
-    return sum(_stored(system.normal, o.clip(min=0.0), float(p.radius.max())) for o in overlaps)
+    return sum(
+        max(_stored(pair.normal, o.clip(min=0.0), float(p.radius.max())) for pair in system.of_pairs) for o in overlaps
+    )
 
 
 def _stored(normal: NormalLaw, overlap: np.ndarray, radius: float) -> float:

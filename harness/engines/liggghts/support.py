@@ -18,6 +18,7 @@ COIN = (
     "is at the limit to the last digit, so rounding decides"
 )
 NOTES = {
+    "materials": exact("an atom type each; constants in tables over pairs of types (peratomtypepair)"),
     "wall friction": equivalent("the law between particles with m_eff = m, R_eff = R and lever arm R - overlap/2"),
     "rotation": exact("fix nve/sphere: discs in 2D mode, spheres in 3D mode"),
     "background drag": exact("fix viscous on half-step velocities"),
@@ -118,6 +119,10 @@ def _contact_output(system: System) -> list[Support]:
 
 def _cut_just_so(system: System) -> bool:
     """Is the spring of a sliding contact still at its limit when the contact is evaluated again?"""
+    return any(_coin_decides(pair) for pair in system.of_pairs)
+
+
+def _coin_decides(system: System) -> bool:
     damped = getattr(system.sliding, "shear_damping", 0.0) > 0.0 and not isinstance(system.sliding, ViscousSliding)
     return damped and getattr(system.normal, "normal_damping", 0.0) == 0.0
 

@@ -167,6 +167,11 @@ def _knobs(scene: Scene, file: Path, names: str | None) -> tuple[Knob, ...]:
             file=file, place="kind", expected=f"a kind of scene with a ladder ({', '.join(map(_kind, KNOBS))})",
             got=f'"{_kind(type(scene))}"',
         )
+    if scene.contact.between:
+        raise InputError(
+            file=file, place="contact.between", expected="one set of numbers for all contacts, which the study turns",
+            got="numbers by pair of materials", fix="measure a scene with the numbers of the stiffest pair for all",
+        )
     lacking = _lacking(scene)
     if names is None or names == ALL:
         wanted = USUAL[type(scene)] if names is None else [n for n in LIMITED if n in knobs]

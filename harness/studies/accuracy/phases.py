@@ -56,9 +56,7 @@ def with_phases(system: System, delay: np.ndarray, file: Path) -> Phased:
     pitch = float(np.ptp(p.x[:, axis])) + 4.0 * float(p.radius.max()) + 2.0 * _reach(system, delay)
     x = p.x[None] - delay[:, None, None] * p.v[None]
     x[:, :, axis] += pitch * np.arange(count)[:, None]
-    repeated = {name: np.concatenate([getattr(p, name)] * count)
-                for name in ("radius", "mass", "inertia_factor", "v", "spin")}
-    particles = replace(p, x=x.reshape(-1, system.dimension), **repeated)
+    particles = replace(p.rows(np.tile(np.arange(len(p)), count)), x=x.reshape(-1, system.dimension))
     return Phased(system=system.with_(particles=particles), delay=delay)
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from harness.scene.system import System
@@ -25,7 +23,6 @@ def copies(system: System) -> System:
     axis = free[0]
     speed = float(np.linalg.norm(p.v, axis=1).max(initial=0.0))
     pitch = float(np.ptp(p.x[:, axis])) + 4.0 * float(p.radius.max()) + 4.0 * speed * system.dt * system.steps
-    x = np.concatenate([p.x] * count)
-    x[:, axis] += np.repeat(pitch * np.arange(count), len(p))
-    more = {n: np.concatenate([getattr(p, n)] * count) for n in ("radius", "mass", "inertia_factor", "v", "spin")}
-    return system.with_(particles=replace(p, x=x, **more))
+    many = p.rows(np.tile(np.arange(len(p)), count))
+    many.x[:, axis] += np.repeat(pitch * np.arange(count), len(p))
+    return system.with_(particles=many)

@@ -50,6 +50,7 @@ SWITCHES: dict[str, Switch] = {
         off=fixed("bodies would pass through each other"), on=fixed("always on"),
         zero=fixed("bodies would pass through each other"),
     ),
+    "materials": _OF_THE_TEST,
     "normal damping": Switch(off=normal.undamped, on=normal.damped, zero=normal.hardly_damped, exact=False),
     "damping attraction": Switch(off=normal.clipped, on=normal.pulling, zero=_NO_ZERO),
     "adhesion": Switch(off=normal.loose, on=normal.sticky, zero=normal.hardly_sticky, exact=False),

@@ -9,8 +9,9 @@ from msgspec.structs import replace
 
 from harness.scene.contact import SpringSliding
 from harness.scene.grains import Grains
-from harness.scene.laws import head_on, turning
+from harness.scene.laws import turning
 from harness.scene.model import Free, Scene
+from harness.scene.numerics import met_head_on
 
 SHEAR_STIFFNESS = 0.2
 """k_t over the stiffness with which a contact begins."""
@@ -51,7 +52,9 @@ def with_law(scene: Scene, law) -> Scene:
 
 
 def with_contact(scene: Scene, **changes) -> Scene:
-    """Return the scene with laws changed."""
+    """Return the scene with laws changed; not where pairs of materials have numbers of their own beside them."""
+    if scene.contact.between:
+        raise NotSwitched("contact.between has numbers of its own, which the switch would not turn")
     return replace(scene, contact=replace(scene.contact, **changes))
 
 
@@ -69,9 +72,9 @@ def with_planes(scene: Free, **changes) -> Free:
 
 
 def stiffness_of(scene: Scene, grains: Grains) -> float:
-    """Return the slope with which a contact begins where it is one, else the largest one, N/m."""
-    law = scene.contact.normal
-    return getattr(law, "loading_stiffness", None) or head_on(law, grains.pairs[0]).stiffness
+    """Return the slope with which a contact begins where it is one, else the largest one, N/m; of the stiffest pair."""
+    met = [scales.met.stiffness for scales in met_head_on(scene.contact, grains)]
+    return getattr(scene.contact.normal, "loading_stiffness", None) or (max(met) if grains.parts else met[0])
 
 
 def couple_stiffness(scene: Scene, grains: Grains) -> float:

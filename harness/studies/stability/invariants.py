@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from harness.scene.expect import Invariant
+from harness.scene.materials import stiffness_of_contacts
 from harness.scene.system import Loaded
 from harness.studies.stability.parts import (
     angular_parts,
@@ -189,14 +190,16 @@ def quiet(seen: Seen, _: Invariant) -> float:
 def column(seen: Seen, _: Invariant) -> float:
     """Return the largest deviation of a column's overlaps from d_k = sum of the weights above contact k over k_n.
 
-    Newton's first law for every body of a stack on a plane, linear contacts: relative to the lowest overlap.
+    Newton's first law for every body of a stack on the first plane, linear contacts: times k_n over that of the lowest
+    contact, relative to the lowest overlap.
     """
     frame, weight = seen.frames[-1], np.linalg.norm(seen.system.gravity)
     order = np.argsort(frame.x[:, -1])
     x, radius, mass = frame.x[order, -1], frame.radius[order], frame.mass[order]
     found = np.concatenate([[radius[0] - x[0]], radius[1:] + radius[:-1] - np.diff(x)])
-    wanted = np.cumsum(mass[::-1])[::-1] * weight / seen.system.normal.normal_stiffness
-    return float(np.abs(found - wanted).max() / wanted[0])
+    stiffness = stiffness_of_contacts(seen.system, order, np.array([-1, *order[:-1]]))
+    wanted = np.cumsum(mass[::-1])[::-1] * weight / stiffness
+    return float(np.abs((found - wanted) * (stiffness / stiffness[0])).max() / wanted[0])
 
 
 def wall_load(seen: Seen, _: Invariant) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 
 from harness.scene.contact import HertzNormal, HystereticNormal, LinearNormal
 from harness.scene.expect import Twin
+from harness.scene.materials import by_law
 from harness.studies.stability.seen import Frame, NotKnown, Seen, nearest_image
 from reference.analytic.hysteretic_collision import ConstantUnloading
 from reference.analytic.linear_collision import LinearCollision
@@ -72,7 +73,9 @@ def parting_rate(seen: Seen, frame: Frame) -> float:
 
 def exact_restitution(seen: Seen) -> float:
     """Return the closed form of the restitution of the two that meet. Raises NotKnown where there is none."""
-    law, mass = seen.system.normal, seen.frames[0].mass
+    mass = seen.frames[0].mass
+    ((met, _),) = by_law(seen.system, np.array([0]), np.array([1 if len(mass) == 2 else -1]))
+    law = met.normal
     reduced = float(mass[0] if len(mass) == 1 else mass[0] * mass[1] / (mass[0] + mass[1]))
     if isinstance(law, LinearNormal):
         pair = LinearCollision(stiffness=law.normal_stiffness, damping=law.normal_damping, reduced_mass=reduced)

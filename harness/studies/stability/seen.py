@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from harness.scene.contact import (
     NormalLaw,
     VariableHystereticNormal,
 )
+from harness.scene.materials import by_law, stiffness_of_contacts
 from harness.scene.system import Constant, Cosine, Loaded, System
 from postproc.snapshot import Snapshot
 from postproc.trajectory import Trajectory
@@ -37,9 +39,11 @@ class NotKnown(Exception):
 class Touching:
     """Overlapping pairs of a frame: overlap > 0, the smaller radius and R* = a_i a_j/(a_i + a_j), all (C,), m.
 
-    At a wall both are the particle's own radius.
+    At a wall both are the particle's own radius. first, second: (C,) row numbers, second = -index of a wall or ring.
     """
 
+    first: np.ndarray
+    second: np.ndarray
     overlap: np.ndarray
     smaller: np.ndarray
     reduced: np.ndarray
@@ -112,12 +116,11 @@ class Seen:
 
         Raises NotKnown where frames have no contacts, or where walls rub, whose springs not every code tells.
         """
-        stiffness = getattr(self.system.sliding, "shear_stiffness", None)
-        if stiffness is None:
+        if not hasattr(self.system.sliding, "shear_stiffness"):
             return np.zeros(len(self.frames))
         if not self.system.contacts or any(w.friction for w in self.system.walls):
             raise NotKnown("the tangential springs are not recorded")
-        return np.array([_sheared(f.snapshot, stiffness) for f in self.frames])
+        return np.array([sheared(self.system, f.snapshot) for f in self.frames])
 
     @cached_property
     def external(self) -> np.ndarray:
@@ -138,8 +141,7 @@ class Seen:
         system = self.system
         if not isinstance(system.normal, LinearNormal) or system.walls or system.rings or system.gravity:
             raise NotKnown("other forces act than those of linear springs among particles")
-        stiffness = system.normal.normal_stiffness
-        forces = [_spring_forces(system, f, stiffness) for f in self.frames]
+        forces = [_spring_forces(system, f) for f in self.frames]
         found = [((force**2).sum(axis=1) / f.mass).sum() for force, f in zip(forces, self.frames, strict=True)]
         return np.array(found)
 
@@ -162,8 +164,7 @@ class Seen:
         return self.trajectory.series
 
     def _held(self, potential: Potential) -> np.ndarray:
-        law = self.system.normal
-        return np.array([float(potential(law, t.overlap, t.reduced).sum()) for t in self.touching])
+        return np.array([held(self.system, potential, t) for t in self.touching])
 
     def _of_walls(self, energy: Callable) -> np.ndarray:
         """Sum an energy over the walls with mass, (F,), from the samples at the frames' steps."""
@@ -176,6 +177,32 @@ class Seen:
 
 
 # --- energies of contacts ----------------------------------------------------------------------------
+
+
+class Overlapping(Protocol):
+    """Contacts as `Touching` has them."""
+
+    first: np.ndarray
+    second: np.ndarray
+    overlap: np.ndarray
+    reduced: np.ndarray
+
+
+def held(system: System, potential: Potential, contacts: Overlapping) -> float:
+    """Return the energy of contacts by a potential of their normal laws, J."""
+    return sum(
+        float(potential(pair.normal, contacts.overlap[which], contacts.reduced[which]).sum())
+        for pair, which in by_law(system, contacts.first, contacts.second)
+    )
+
+
+def sheared(system: System, snapshot: Snapshot) -> float:
+    """Return the energy of the recorded tangential springs, k_t u^2/2, J."""
+    contacts = snapshot.contacts
+    springs = contacts.vector(*(f"u{a}" for a in snapshot.axes))
+    i, j = (contacts[name].astype(int) for name in "ij")
+    pairs = by_law(system, i - 1, np.where(j > 0, j - 1, j))
+    return sum(float(pair.sliding.shear_stiffness * (springs[which] ** 2).sum() / 2) for pair, which in pairs)
 
 
 def _linear(law: LinearNormal, overlap: np.ndarray, reduced: np.ndarray) -> np.ndarray:  # noqa: ARG001
@@ -202,11 +229,6 @@ FIRST_LOADING: dict[type, Potential] = {
     HystereticNormal: _first_loading, VariableHystereticNormal: _first_loading,
 }
 """Laws with memory have no potential; on first loading they hold k_1 d^2/2, of which they give back no more."""
-
-
-def _sheared(snapshot: Snapshot, stiffness: float) -> float:
-    springs = snapshot.contacts.vector(*(f"u{a}" for a in snapshot.axes))
-    return float(stiffness * (springs**2).sum() / 2)
 
 
 def _kinetic_of_wall(motion: Loaded, d: np.ndarray, rate: np.ndarray) -> np.ndarray:  # noqa: ARG001
@@ -239,22 +261,24 @@ def _frame(snapshot: Snapshot, step: int) -> Frame:
 
 def _touching(system: System, frame: Frame) -> Touching:
     found = [_among_particles(system, frame), *_at_walls(frame), *_at_rings(system, frame)]
-    overlap, smaller, reduced = (np.concatenate(columns) for columns in zip(*found, strict=True))
-    return Touching(overlap=overlap, smaller=smaller, reduced=reduced)
+    first, second, overlap, smaller, reduced = (np.concatenate(columns) for columns in zip(*found, strict=True))
+    return Touching(first=first, second=second, overlap=overlap, smaller=smaller, reduced=reduced)
 
 
 def _among_particles(system: System, frame: Frame):
     i, j = np.triu_indices(len(frame.x), 1)
     apart = nearest_image(frame.x[j] - frame.x[i], system.periodic)
-    return _contacts(np.sqrt((apart**2).sum(axis=1)), frame.radius[i], frame.radius[j])
+    return _contacts(i, j, np.sqrt((apart**2).sum(axis=1)), frame.radius[i], frame.radius[j])
 
 
-def _spring_forces(system: System, frame: Frame, stiffness: float) -> np.ndarray:
+def _spring_forces(system: System, frame: Frame) -> np.ndarray:
     """Return k d n summed over the neighbours of every particle, (N, dim), N."""
     apart = nearest_image(frame.x[:, None] - frame.x[None], system.periodic)
     distance = np.sqrt((apart**2).sum(axis=2))
     np.fill_diagonal(distance, np.inf)
     overlap = np.maximum(frame.radius[:, None] + frame.radius[None] - distance, 0.0)
+    i, j = (rows.ravel() for rows in np.indices(distance.shape))
+    stiffness = stiffness_of_contacts(system, i, j).reshape(*distance.shape, 1)
     return (stiffness * (overlap / distance)[..., None] * apart).sum(axis=1)
 
 
@@ -263,11 +287,11 @@ def _at_walls(frame: Frame):
     if walls is None or "nx" not in walls:
         return
     points, normals = (walls.vector(*(f"{q}{a}" for a in frame.snapshot.axes)) for q in "pn")
-    for point, normal in zip(points, normals, strict=True):
+    for index, (point, normal) in enumerate(zip(points, normals, strict=True), start=1):
         if np.isfinite(normal).all():
             overlap = frame.radius - (frame.x - point) @ normal
-            on = overlap > 0
-            yield overlap[on], frame.radius[on], frame.radius[on]
+            on = np.flatnonzero(overlap > 0)
+            yield on, np.full_like(on, -index), overlap[on], frame.radius[on], frame.radius[on]
 
 
 def _at_rings(system: System, frame: Frame):
@@ -277,14 +301,16 @@ def _at_rings(system: System, frame: Frame):
         glued = np.array(ring.centre) + (ring.x - np.array(ring.centre)) @ turn.T
         distance = np.linalg.norm(frame.x[:, None] - glued[None], axis=2)
         radius = np.broadcast_arrays(frame.radius[:, None], ring.radius[None])
-        yield _contacts(distance.ravel(), radius[0].ravel(), radius[1].ravel())
+        first = np.indices(distance.shape)[0].ravel()
+        second = np.full_like(first, -ring.index)
+        yield _contacts(first, second, distance.ravel(), radius[0].ravel(), radius[1].ravel())
 
 
-def _contacts(distance: np.ndarray, a: np.ndarray, b: np.ndarray):
+def _contacts(first: np.ndarray, second: np.ndarray, distance: np.ndarray, a: np.ndarray, b: np.ndarray):
     overlap = a + b - distance
     on = overlap > 0
     a, b = a[on], b[on]
-    return overlap[on], np.minimum(a, b), a * b / (a + b)
+    return first[on], second[on], overlap[on], np.minimum(a, b), a * b / (a + b)
 
 
 def nearest_image(apart: np.ndarray, periodic: tuple[float, ...] | None) -> np.ndarray:

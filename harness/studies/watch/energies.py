@@ -17,7 +17,7 @@ import numpy as np
 
 from harness.scene.laws import elastic_stiffness, word
 from harness.scene.system import Constant, System
-from harness.studies.stability.seen import POTENTIALS
+from harness.studies.stability.seen import POTENTIALS, held, sheared
 from harness.studies.watch.state import State
 from postproc.trajectory import Trajectory
 
@@ -39,26 +39,19 @@ def normal_energy(system: System, states: list[State]) -> np.ndarray:
     potential = POTENTIALS.get(type(system.normal))
     if potential is None:
         raise Unknown(f'what the law "{word(system.normal)}" stores does not follow from the overlap')
-    return np.array([float(potential(system.normal, s.overlap, s.reduced).sum()) for s in states])
+    return np.array([held(system, potential, s) for s in states])
 
 
 def tangential_energy(system: System, states: list[State]) -> np.ndarray:
     """k_t u^2/2 of the friction springs, (F,), J. Raises Unknown where springs are not recorded."""
-    stiffness = elastic_stiffness(system.sliding)
-    if stiffness is None:
+    if elastic_stiffness(system.sliding) is None:
         raise Unknown(f'what the law "{word(system.sliding)}" stores does not follow from its spring')
     if not system.contacts:
         raise Unknown("springs are not recorded: outputs.contacts = true records them")
-    found = np.array([_sheared(s, stiffness) for s in states])
+    found = np.array([sheared(system, s.snapshot) for s in states])
     if np.isnan(found).any():
         raise Unknown("the engine does not tell the springs of all walls")
     return found
-
-
-def _sheared(state: State, stiffness: float) -> float:
-    table = state.snapshot.contacts
-    springs = table.vector(*(f"u{a}" for a in state.snapshot.axes))
-    return float(stiffness * (springs**2).sum() / 2)
 
 
 def weight(system: System, states: list[State]) -> np.ndarray:

@@ -16,8 +16,8 @@ from postproc.snapshot import Snapshot
 class State:
     """x, v (N, dim), spin (N, 1 or 3), radius, mass, inertia (N,) of particles; overlap > 0, relative, reduced (C,).
 
-    The latter of all contacts. relative: overlap over the smaller radius; reduced: R* = a_i a_j/(a_i + a_j), at a wall
-    a_i, m.
+    The latter of all contacts. first, second: (C,) row numbers, second = -index of a wall or ring. relative: overlap
+    over the smaller radius; reduced: R* = a_i a_j/(a_i + a_j), at a wall a_i, m.
     """
 
     time: float
@@ -27,6 +27,8 @@ class State:
     radius: np.ndarray
     mass: np.ndarray
     inertia: np.ndarray
+    first: np.ndarray
+    second: np.ndarray
     overlap: np.ndarray
     relative: np.ndarray
     reduced: np.ndarray
@@ -41,20 +43,22 @@ def state_of(system: System, snapshot: Snapshot) -> State:
         "x": p.vector(*axes), "v": p.vector(*(f"v{a}" for a in axes)), "spin": p.vector(*spins), "radius": p["radius"],
         "mass": p["mass"], "inertia": p["inertia"],
     }
-    overlap, relative, reduced = _overlaps(system, snapshot, arrays)
+    first, second, overlap, relative, reduced = _overlaps(system, snapshot, arrays)
     return State(
-        time=snapshot.time, overlap=overlap, relative=relative, reduced=reduced, snapshot=snapshot, **arrays
+        time=snapshot.time, first=first, second=second, overlap=overlap, relative=relative, reduced=reduced,
+        snapshot=snapshot, **arrays,
     )
 
 
-def _overlaps(system: System, snapshot: Snapshot, now: dict) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _overlaps(system: System, snapshot: Snapshot, now: dict) -> tuple[np.ndarray, ...]:
     if not all(np.isfinite(now[k]).all() for k in ("x", "radius")):
-        return (np.empty(0),) * 3
+        return (*(np.empty(0, int),) * 2, *(np.empty(0),) * 3)
     there = replace(system, particles=_moved(system, now), walls=_walls_now(system, snapshot))
     found = initial_overlaps(there)
     wall = found.second < 0
     partner = np.where(wall, np.inf, now["radius"][np.where(wall, 0, found.second)])
-    made = [(found.size, found.size / found.smaller, 1 / (1 / now["radius"][found.first] + 1 / partner))]
+    reduced = 1 / (1 / now["radius"][found.first] + 1 / partner)
+    made = [(found.first, found.second, found.size, found.size / found.smaller, reduced)]
     made += [_at_ring(ring, snapshot.time, now) for ring in system.rings]
     return tuple(np.concatenate(columns) for columns in zip(*made, strict=True))
 
@@ -77,7 +81,7 @@ def _walls_now(system: System, snapshot: Snapshot):
     return tuple(replace(wall, point=point) for wall, point in zip(system.walls, points, strict=True))
 
 
-def _at_ring(ring: Ring, time: float, now: dict) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _at_ring(ring: Ring, time: float, now: dict) -> tuple[np.ndarray, ...]:
     """Overlaps with glued discs, where the ring has turned to."""
     from scipy.spatial import cKDTree
 
@@ -89,4 +93,5 @@ def _at_ring(ring: Ring, time: float, now: dict) -> tuple[np.ndarray, np.ndarray
     a, b = now["radius"][near.row], ring.radius[near.col]
     overlap = a + b - near.data
     on = overlap > 0
-    return overlap[on], (overlap / np.minimum(a, b))[on], (a * b / (a + b))[on]
+    second = np.full(int(on.sum()), -ring.index)
+    return near.row[on], second, overlap[on], (overlap / np.minimum(a, b))[on], (a * b / (a + b))[on]

@@ -7,7 +7,7 @@ the names of the scene's tables. What codes do differently is a further field, f
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import ClassVar, Protocol
 
 import numpy as np
 
@@ -81,13 +81,27 @@ class NormalLaw(Law):
         return total if adhesion is None else total + adhesion
 
 
+class Nodes(Protocol):
+    """What tells who touches whom: i, j (M,), the numbers of nodes."""
+
+    i: np.ndarray
+    j: np.ndarray
+
+
 class SlidingLaw(Law):
     """A tangential force at the contact."""
+
+    shear_friction: float | np.ndarray
 
     @property
     def needs(self) -> frozenset[str]:
         """The slip velocity and the arms of the torque."""
         return frozenset({"v_t"})
+
+    def coefficient(self, contact: Nodes) -> float | np.ndarray:
+        """Return mu, one number or (M,), of the contacts of two nodes each."""
+        del contact
+        return self.shear_friction
 
     def force(
         self, contact: Touching, pressing: Pressing, memory: Memory, dt: float, *, advance: bool

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from reference.kernel.conventions import Convention
+from reference.kernel.laws.by_pair import with_tables
 from reference.kernel.laws.constant_rolling import ConstantRolling
 from reference.kernel.laws.dmt import DmtNormal
 from reference.kernel.laws.hertz import HertzNormal
@@ -30,11 +33,14 @@ LAWS: dict[str, dict[str, type[Law]]] = {
 }
 
 
-def build_law(family: str, table: dict, convention: Convention, normal: NormalLaw | None = None) -> Law:
+def build_law(
+    family: str, table: dict, convention: Convention, normal: NormalLaw | None = None, kind: np.ndarray | None = None
+) -> Law:
     """Return the law that `table` names, with the convention's choices.
 
-    A law that leans on the normal law (field `normal`: Mindlin's stiffness is Hertz's) is given it.
-    Raises ValueError for a law that the kernel does not have.
+    A law that leans on the normal law (field `normal`: Mindlin's stiffness is Hertz's) is given it. kind: the number of
+    each node's material, (nodes,), where the numbers of the table are tables over pairs of materials.
+    Raises ValueError for a law that the kernel does not have, or not with tables.
     """
     parameters = dict(table)
     word = parameters.pop("law")
@@ -44,4 +50,6 @@ def build_law(family: str, table: dict, convention: Convention, normal: NormalLa
     parameters |= {field: getattr(convention, choice) for field, choice in law.choices.items()}
     if "normal" in law.__dataclass_fields__:
         parameters["normal"] = normal
+    if kind is not None:
+        return with_tables(law, kind, parameters)
     return law(**parameters)

@@ -45,12 +45,12 @@ LAMMPS_TURN_THRESHOLD = 1e-10
 
 @dataclass(frozen=True, kw_only=True)
 class Slider:
-    """One law's numbers: `stiffness` and `damping` one number or (M,); `dynamic_friction` None: the same as static."""
+    """One law's numbers: `stiffness`, `damping`, `friction` one number or (M,); `dynamic_friction` None: as static."""
 
     algorithm: str
     stiffness: float | np.ndarray
     damping: float | np.ndarray
-    friction: float
+    friction: float | np.ndarray
     dynamic_friction: float | None = None
 
     def move(

@@ -14,6 +14,7 @@ from types import ModuleType
 
 import numpy as np
 
+from reference.kernel.laws.by_pair import LinearByPair
 from reference.kernel.laws.hertz import HertzNormal
 from reference.kernel.laws.linear import LinearNormal
 from reference.kernel.model import Loaded, Model
@@ -38,7 +39,7 @@ from reference.kernel.program.space.contacts import SpaceContacts
 from reference.kernel.program.space.nodes import SpaceNodes
 from reference.kernel.walls import MovingWalls
 
-CORRECTED = {LinearNormal, HertzNormal}
+CORRECTED = {LinearNormal, LinearByPair, HertzNormal}
 """Normal laws whose elastic force is one of the overlap alone, as the corrections ask."""
 
 EFFECTS = {"sliding": "sliding friction", "rolling": "rolling resistance", "torsion": "torsion resistance"}

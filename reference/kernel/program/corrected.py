@@ -179,7 +179,8 @@ class Corrections:
     def _give(self, e: _Events) -> None:
         """Add the impulses to the nodes i and take them from the nodes j, with the moments of their tangential part."""
         model, n = self.model, self.model.particle_count
-        along, across = missed_force(model, e.theta, f_n=e.f_n, elastic=e.elastic, f_t=e.f_t)
+        friction = 0.0 if model.sliding is None else model.sliding.coefficient(e)
+        along, across = missed_force(model, e.theta, f_n=e.f_n, elastic=e.elastic, f_t=e.f_t, friction=friction)
         impulse, moment = model.dt * (along * e.n + across), model.dt * torque_cross(e.n, across)
         body = e.j < n
         for node, signed, on in ((e.i, impulse, np.ones_like(body)), (e.j, -impulse, body)):

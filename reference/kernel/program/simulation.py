@@ -297,7 +297,7 @@ class ProgramSimulation:
         interaction.pairs.replace(i, j)
         for family in interaction.pairs.memory:
             history = self.history[family][:, rows]
-            interaction.pairs.memory[family] = self._memories[family].to_textbook(n, history)
+            interaction.pairs.memory[family] = self._memories[family].to_textbook(n, history, i, j)
         return rows
 
     def _take_memories(self) -> None:
@@ -306,7 +306,7 @@ class ProgramSimulation:
             i, j, rows = self._pairs_of(interaction)
             n = normals(self.model, self._textbook.state, i, j)
             for family, remembered in interaction.pairs.memory.items():
-                self.history[family][:, rows] = self._memories[family].from_textbook(n, remembered)
+                self.history[family][:, rows] = self._memories[family].from_textbook(n, remembered, i, j)
             if "f_n" in self.history:
                 take_last_forces(self.history, rows[interaction.last.touching], interaction.last)
 

@@ -26,7 +26,7 @@ from reference.kernel.program.contacts import Contacts
 from reference.kernel.program.program import Program
 
 Coefficient = float | np.ndarray
-"""One for all contacts, or (P,), computed in every step."""
+"""One for all contacts, or (P,), of each pair or computed in every step."""
 
 LAGGING = 1.0
 """Coefficient of friction above which springs of `lammps` in 2D are vectors that may lag behind their contact.
@@ -48,17 +48,24 @@ class Spring:
     """A law's numbers. memory: history, the tension and with a state a last row.
 
     mean_rate: the rate by which the spring is stretched, in schemes that know one (`lammps` only); else v.
-    growth: k dt. damping: gamma, None without dashpot. turns: whether the spring follows the contact.
+    growth: k dt. damping: gamma, None without dashpot. turns: whether the spring follows the contact. roughest: the
+    largest coefficient of friction of the whole model, where friction is (P,).
     """
 
     algorithm: str
     memory: np.ndarray
     growth: Coefficient
     damping: Coefficient | None
-    friction: float
+    friction: Coefficient
     dynamic_friction: float | None = None
     turns: bool = True
     mean_rate: np.ndarray | None = None
+    roughest: float | None = None
+
+    @property
+    def lags(self) -> bool:
+        """Whether springs that are not turned at once make a difference."""
+        return lags(self.algorithm, self.friction if self.roughest is None else self.roughest, turns=self.turns)
 
 
 def slide(
@@ -73,7 +80,7 @@ def slide_across(
 ) -> np.ndarray | None:
     """`slide` in the tangent plane; with `pulls` return F.n where springs lag in 2D, (P,), else None."""
     vectors = c.lagging_vectors
-    if vectors is None or not lags(spring.algorithm, spring.friction, turns=spring.turns):
+    if vectors is None or not spring.lags:
         slide(p, c, c.tangents, spring, rate=rate, out=out)
         return None
     vectors.find_normals(p)

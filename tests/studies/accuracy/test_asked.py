@@ -55,6 +55,12 @@ def test_what_cannot_be_asked(words, says):
     assert "\n" not in str(error.value)
 
 
+def test_numbers_by_pair_of_materials_are_not_turned():
+    file = FOLDER.parent / "hard_cases" / "stiff_and_soft_pairs.toml"
+    with pytest.raises(InputError, match=r"contact\.between: expected one set of numbers for all contacts"):
+        asked(load_scene(file), file, knob=None, ladder=None, quantity=None)
+
+
 def ask_all(scene, knob):
     file = FOLDER / f"{scene}.toml"
     return asked_all(load_scene(file), file, knob=knob, ladder=None, quantity=None)

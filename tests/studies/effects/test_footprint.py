@@ -22,7 +22,7 @@ SCENES = Path(__file__).resolve().parents[3] / "inputs" / "scenes"
 WALKED = ("oblique", "oblique_impact", "hertz_impact", "hysteretic_impact", "rolling_incline", "spinning_sphere")
 """Between them every effect that has a switch is on, or can be switched on."""
 
-NEVER = {"normal contact", "rotation", "periodic axes", "driven walls", "loaded walls", "glued rings"}
+NEVER = {"normal contact", "rotation", "periodic axes", "driven walls", "loaded walls", "glued rings", "materials"}
 """Effects that are part of the experiment, or follow from others."""
 
 

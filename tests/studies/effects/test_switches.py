@@ -11,7 +11,7 @@ from harness.scene.load import load_scene
 from harness.scene.resolve import resolve
 from harness.studies.effects.of_normal import RESTITUTION, damping_for
 from harness.studies.effects.switches import SWITCHES
-from harness.studies.effects.turned import NotSwitched
+from harness.studies.effects.turned import NotSwitched, stiffness_of
 from harness.studies.effects.variants import variants_of, without
 from harness.studies.prepare import Prepared
 from reference.analytic.linear_collision import LinearCollision
@@ -83,6 +83,19 @@ def test_several_go_together_and_one_that_is_gone_stays_gone():
     assert bare.contact.normal.normal_damping == 0.0
     assert bare.contact.normal.attraction == "allowed", "without a dashpot there was nothing to clip any more"
     assert bare.contact.sliding is None
+
+
+def test_laws_with_numbers_by_pair_are_not_switched():
+    file = SCENES.parent / "hard_cases" / "stiff_and_soft_bodies.toml"
+    scene = load_scene(file)
+    system = resolve(scene, file)
+    start = Prepared(number=0, system=system, packing=None)
+    found = {v.effect.name: v for v in variants_of(scene, file, [start])}
+    for name in ("normal damping", "damping attraction", "sliding friction", "rolling resistance"):
+        assert found[name].scene is None
+        assert "contact.between has numbers of its own" in found[name].reason
+    assert found["gravity"].scene.contact.between == scene.contact.between
+    assert stiffness_of(scene, grains_of(scene, system.particles)) == 1e7, "of the stiffest pair"
 
 
 def test_a_law_without_the_switch_refuses():

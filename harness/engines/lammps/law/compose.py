@@ -7,7 +7,7 @@ from harness.engines.lammps.law.couples import ROLLING, TORSION, pair_radius, wa
 from harness.engines.lammps.law.normal import NORMAL, clip_words
 from harness.engines.lammps.law.sliding import SLIDING, SMOOTH, constant_damping
 from harness.engines.text import number
-from harness.scene.contact import MindlinSliding, SlidingLaw, SpringSliding
+from harness.scene.contact import MindlinSliding, SpringSliding
 from harness.scene.system import System, Wall
 
 NO_LIMIT = 1e30
@@ -29,16 +29,21 @@ def wall_law(system: System, wall: Wall) -> str:
 def springs_law(system: System) -> str:
     """Return the law of a clone at rest, in which the tangential force on a particle is -k u with one k."""
     reduced_radius = pair_radius(system.particles.radius)
-    if isinstance(system.sliding, MindlinSliding):
+    if _stiffness_varies(system):
         return UNIT_SPRING + _couples(system, reduced_radius)
     return _rough_law(system, reduced_radius, NO_LIMIT)
 
 
-def clone_stiffness(sliding: SlidingLaw | None) -> float | None:
+def clone_stiffness(system: System) -> float | None:
     """Return the k of `springs_law`, N/m: k_t, or 1 where k_t varies; None for a law without spring."""
-    if isinstance(sliding, MindlinSliding):
+    if _stiffness_varies(system):
         return 1.0
-    return sliding.shear_stiffness if isinstance(sliding, SpringSliding) else None
+    return system.sliding.shear_stiffness if isinstance(system.sliding, SpringSliding) else None
+
+
+def _stiffness_varies(system: System) -> bool:
+    """Does k_t depend on the overlap, or on who touches whom?"""
+    return isinstance(system.sliding, MindlinSliding) or (system.materials is not None and system.sliding is not None)
 
 
 def _smooth_law(system: System) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 from harness.engines.liggghts.law.couples import ROLLING, TORSION
 from harness.engines.liggghts.law.kinds import (
     MOST_BODIES,
+    Kind,
     bodies,
     kinds,
     type_of_wall,
@@ -51,11 +52,19 @@ def law_lines(system: System) -> list[str]:
     kinds_of_all = kinds(system, by_body=_by_body(system))
     constants: dict[str, Constant] = reduce(lambda a, b: a | b, (dict(w.constants) for w in laws))
     return [
-        "", *(w.comment for w in laws if w.comment),
+        "", *(w.comment for w in laws if w.comment), *_materials_comment(kinds_of_all),
         *(constant.line(name, kinds_of_all) for name, constant in constants.items()),
         f"pair_style gran {model_words(system, rough=len(laws) > 1)} {setting_words(system)}".rstrip(),
         "pair_coeff * *",
     ]
+
+
+def _materials_comment(kinds_of_all: tuple[Kind, ...]) -> list[str]:
+    """Return which atom types are of which material."""
+    if kinds_of_all[0].material is None:
+        return []
+    said = (f"{t} {kind.material or 'without a material'}" for t, kind in enumerate(kinds_of_all, start=1))
+    return [f"# atom types: {', '.join(said)}"]
 
 
 def header_lines(system: System) -> list[str]:

@@ -3,7 +3,8 @@
 Mostly there is one type, of everything. Meshes without friction beside meshes with friction are a type of
 their own, because all meshes share one `fix wall/gran`. Where a constant depends on who touches whom (a
 dashpot that LIGGGHTS wants as a restitution), every radius and mass is a type, walls are another, and so is every
-radius of glued discs, whose mass is infinite.
+radius of glued discs, whose mass is infinite. Materials, which go with laws that have no such dashpot, are a type each,
+of particles and walls alike.
 """
 
 from __future__ import annotations
@@ -26,16 +27,23 @@ MOST_BODIES = 12
 class Kind:
     """What atoms and walls of one type are; radius (m) and mass (kg) are inf for walls, None where they do not count.
 
-    Of glued discs the mass alone is infinite. smooth: walls that only push.
+    Of glued discs the mass alone is infinite. smooth: walls that only push. material: the word; None without materials.
     """
 
     radius: float | None = None
     mass: float | None = None
     smooth: bool = False
+    material: str | None = None
 
 
 def kinds(system: System, *, by_body: bool) -> tuple[Kind, ...]:
     """Return what type 1, 2, ... are."""
+    if system.materials is not None:
+        pushing = sorted({w.material for w in _pushing(system)})
+        return tuple(
+            [Kind(material=word) for word in system.materials.names]
+            + [Kind(radius=inf, mass=inf, smooth=True, material=word) for word in pushing]
+        )
     found = [Kind(radius=r, mass=m) for r, m in bodies(system)] if by_body else [Kind()]
     if by_body and system.walls:
         found.append(Kind(radius=inf, mass=inf))
@@ -55,6 +63,8 @@ def bodies(system: System) -> list[tuple[float, float]]:
 def types_of_particles(system: System, *, by_body: bool) -> np.ndarray:
     """Return the type of every particle, (N,)."""
     p = system.particles
+    if system.materials is not None:
+        return 1 + system.materials.numbers(p.material)
     if not by_body:
         return np.ones(len(p), dtype=int)
     number = {body: k + 1 for k, body in enumerate(bodies(system))}
@@ -77,9 +87,16 @@ def _glued_radii(system: System) -> list[float]:
 
 def type_of_wall(system: System, wall: Wall, *, by_body: bool) -> int:
     """Return the type whose constants a wall has."""
+    if system.materials is not None:
+        wanted = [(k.material, k.smooth) for k in kinds(system, by_body=False)]
+        return 1 + wanted.index((wall.material, wall in _pushing(system)))
     rough = len(bodies(system)) + 1 if by_body else 1
-    apart = mixed(system) and wall in meshes(system) and not is_rough(system, wall)
-    return rough + 1 if apart else rough
+    return rough + 1 if wall in _pushing(system) else rough
+
+
+def _pushing(system: System) -> list[Wall]:
+    """Return the meshes without friction beside meshes with friction."""
+    return [w for w in meshes(system) if not is_rough(system, w)] if mixed(system) else []
 
 
 def mixed(system: System) -> bool:

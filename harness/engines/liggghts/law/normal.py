@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from harness.engines.liggghts.law.dashpot import LEAST_RESTITUTION, pair_restitution
 from harness.engines.liggghts.law.kinds import MOST_BODIES, Kind, kinds
-from harness.engines.liggghts.law.words import Constant, Judgement, Words, exact, unsupported
+from harness.engines.liggghts.law.words import Constant, Judgement, Words, exact, of_pair, unsupported
 from harness.scene.contact import (
     DmtNormal,
     HertzNormal,
@@ -33,7 +33,8 @@ def linear(system: System) -> Words:
         model="model hooke/stiffness", comment=_linear_comment(system),
         settings=("absolute_damping on", *CLIP[law.attraction]),
         constants={
-            "kn": Constant(value=law.normal_stiffness), "gamman_abs": Constant(value=law.normal_damping),
+            "kn": Constant(value=of_pair(system, "normal", "normal_stiffness")),
+            "gamman_abs": Constant(value=of_pair(system, "normal", "normal_damping")),
             "kt": Constant(value=0.0, smooth=0.0), "gammat_abs": Constant(value=0.0, smooth=0.0),
         },
         judged={

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from harness.engines.liggghts.law.dashpot import damping, pair_restitution
 from harness.engines.liggghts.law.kinds import Kind, reduced
-from harness.engines.liggghts.law.words import Constant, Judgement, Words, equivalent, unsupported
+from harness.engines.liggghts.law.words import Constant, Judgement, Words, equivalent, of_pair, unsupported
 from harness.scene.contact import (
     HertzNormal,
     HystereticNormal,
@@ -41,12 +41,11 @@ def spring(system: System) -> Words:
         return _tan_luding(system)
     if isinstance(system.normal, HertzNormal):
         return _unsupported("model hertz has no other tangential stiffness than Mindlin's")
-    law = system.sliding
     return Words(
         model=" tangential history", history=SPRING,
         constants={
-            "kt": Constant(value=law.shear_stiffness, smooth=0.0),
-            "gammat_abs": Constant(value=law.shear_damping, smooth=0.0), **_friction(system),
+            "kt": Constant(value=of_pair(system, "sliding", "shear_stiffness"), smooth=0.0),
+            "gammat_abs": Constant(value=of_pair(system, "sliding", "shear_damping"), smooth=0.0), **_friction(system),
         },
         judged={
             "sliding friction": _history("mu |f_n|, f_n with damping,"),
@@ -109,7 +108,7 @@ def _tan_luding(system: System) -> Words:
 
 
 def _friction(system: System) -> dict[str, Constant]:
-    return {"coefficientFriction": Constant(value=system.sliding.shear_friction, smooth=0.0)}
+    return {"coefficientFriction": Constant(value=of_pair(system, "sliding", "shear_friction"), smooth=0.0)}
 
 
 def _history(limit: str) -> Judgement:

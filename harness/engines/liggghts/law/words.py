@@ -8,7 +8,8 @@ from typing import Literal
 
 from harness.engines.liggghts.law.kinds import Kind
 from harness.engines.protocol import Level
-from harness.engines.text import number
+from harness.engines.text import number as written
+from harness.scene.system import System
 
 Value = float | Callable[[Kind, Kind], float]
 """One number, or one for each two kinds that touch."""
@@ -28,11 +29,11 @@ class Constant:
     def line(self, name: str, kinds: Sequence[Kind]) -> str:
         """Return the command that defines it."""
         if self.over == "scalar":
-            return f"fix {name} all property/global {name} scalar {number(self.value)}"
+            return f"fix {name} all property/global {name} scalar {written(self.value)}"
         if self.over == "peratomtype":
-            table = " ".join([number(self.value)] * len(kinds))
+            table = " ".join([written(self.value)] * len(kinds))
             return f"fix {name} all property/global {name} peratomtype {table}"
-        table = " ".join(number(self._of(a, b)) for a in kinds for b in kinds)
+        table = " ".join(written(self._of(a, b)) for a in kinds for b in kinds)
         return f"fix {name} all property/global {name} peratomtypepair {len(kinds)} {table}"
 
     def _of(self, a: Kind, b: Kind) -> float:
@@ -67,6 +68,14 @@ class Words:
     history: tuple[str, ...] = ()
     by_body: bool = False
     moved_by_output: str = ""
+
+
+def of_pair(system: System, family: str, number: str) -> Value:
+    """Return a number of the "normal" or "sliding" law: one, or with materials one for each two of them."""
+    if system.materials is None:
+        return getattr(getattr(system, family), number)
+    table, place = system.materials.table(family, number), system.materials.number
+    return lambda a, b: float(table[place(a.material), place(b.material)])
 
 
 def exact(note: str) -> Judgement:

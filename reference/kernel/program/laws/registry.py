@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+
+from reference.kernel.laws import by_pair
 from reference.kernel.laws.constant_rolling import ConstantRolling
 from reference.kernel.laws.dmt import DmtNormal
 from reference.kernel.laws.hertz import HertzNormal
@@ -18,6 +21,7 @@ from reference.kernel.laws.sliding import SpringSliding
 from reference.kernel.laws.torsion import SpringTorsion
 from reference.kernel.laws.viscous import ViscousSliding
 from reference.kernel.model import Model
+from reference.kernel.program.laws.by_pair import LinearByPair, spring_sliding_by_pair
 from reference.kernel.program.laws.constant_rolling import constant_rolling
 from reference.kernel.program.laws.dmt import Dmt
 from reference.kernel.program.laws.hertz import Hertz
@@ -35,7 +39,7 @@ from reference.kernel.program.slider import lags
 
 NORMAL: dict[type[Law], type[NormalOperations]] = {
     LinearNormal: Linear, HertzNormal: Hertz, HystereticNormal: Hysteretic,
-    VariableHystereticNormal: VariableHysteretic, DmtNormal: Dmt,
+    VariableHystereticNormal: VariableHysteretic, DmtNormal: Dmt, by_pair.LinearByPair: LinearByPair,
 }
 
 
@@ -57,18 +61,20 @@ class Tangential:
     compares_spins: bool = False
 
     def unit(self, law: Law) -> float:
-        """Return history over the textbook's memory."""
-        return 1.0 if self.stiffness is None else getattr(law, self.stiffness)
+        """Return history over the textbook's memory; of laws by pair the least one."""
+        return 1.0 if self.stiffness is None else np.min(getattr(law, self.stiffness)).item()
 
     def lags(self, law: Law) -> bool:
         """Whether springs may lag behind their contact: `program.slider`."""
         turns = getattr(law, "frame", "contact") == "contact"
-        return self.friction is not None and lags(law.algorithm, getattr(law, self.friction), turns=turns)
+        return self.friction is not None and lags(law.algorithm, np.max(getattr(law, self.friction)), turns=turns)
 
 
 TANGENTIAL: dict[str, dict[type[Law], Tangential]] = {
     "sliding": {
         SpringSliding: Tangential(act=spring_sliding, stiffness="shear_stiffness", friction="shear_friction"),
+        by_pair.SpringByPair: Tangential(
+            act=spring_sliding_by_pair, stiffness="shear_stiffness", friction="shear_friction"),
         MindlinSliding: Tangential(act=mindlin_sliding, friction="shear_friction"),
         ViscousSliding: Tangential(act=viscous_sliding),
     },
