@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 
 from harness.errors import InputError
+from harness.scene.effects import EFFECTS
 from harness.scene.load import load_scene
 from harness.studies.effects import effects_study, timing
 from harness.studies.effects.asked import asked
@@ -93,7 +94,7 @@ def test_effects_that_are_not_asked_for_are_not_switched(found):
     assert {name for _, name in found.costs} == {
         BASE, "without normal damping", "with background drag", REDUCED
     }
-    assert len(found.effects) == 17
+    assert len(found.effects) == len(EFFECTS)
 
 
 @pytest.mark.parametrize(
