@@ -60,18 +60,30 @@ def _stands(wall: Wall) -> bool:
 
 
 def energies(simulation: Simulation) -> tuple[float, tuple[float, ...]]:
-    """Return the kinetic energy of a system and all parts of H, that one first, in J."""
+    """Return the kinetic energy that contacts can turn into others, and all parts of H, in J.
+
+    Without walls and rings that is the one relative to the centre of mass.
+    """
     model, state = simulation.model, simulation.state
     n = model.particle_count
     v, spin, force = state.v[:, :n], state.spin[:, :n], state.force[:, :n]
-    parts = [_half(model.mass, v) + _half(model.inertia, spin), *_stored(simulation)]
+    kinetic = _half(model.mass, v) + _half(model.inertia, spin)
+    parts = [kinetic, *_stored(simulation)]
     parts.append(-model.dt**2 / 4.0 * _half(1.0 / model.mass, force))
     if state.torque is not None:
         parts.append(-model.dt**2 / 4.0 * _half(1.0 / model.inertia, state.torque[:, :n]))
     if model.gravity is not None:
         parts.append(-float((np.asarray(model.gravity)[:, None] * model.mass * state.x[:, :n]).sum()))
     parts += [part for k, wall in enumerate(model.walls) for part in _of_wall(wall, k, state, model.dt)]
-    return parts[0], tuple(parts)
+    return kinetic - _carried(model, v), tuple(parts)
+
+
+def _carried(model: Model, v: np.ndarray) -> float:
+    """Return the kinetic energy of the centre of mass where nothing could stop it; walls and rings could."""
+    if model.walls or model.rings:
+        return 0.0
+    momentum = (model.mass * v).sum(axis=1)
+    return 0.5 * float(momentum @ momentum) / float(model.mass.sum())
 
 
 def _of_wall(wall: Wall, k: int, state: State, dt: float) -> tuple[float, ...]:

@@ -7,7 +7,7 @@ happens between two frames is not seen.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -29,6 +29,7 @@ from harness.studies.watch.passing import passed
 from harness.studies.watch.remarks import Remark, remarks
 from harness.studies.watch.state import State, state_of
 from postproc.macro.contact_ends import contact_ends
+from postproc.snapshot import MissingColumn
 from postproc.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -65,7 +66,8 @@ SAYS = {
 class Watch:
     """curves: by name, (F,), in UNITS, over time (F,), s. absent: why there is no such curve, by name.
 
-    made: the largest fall of the dissipated energy, J, i.e. energy that was made; None where that is not known.
+    made: the largest fall of the dissipated energy, J, i.e. energy that was made; where springs are not recorded, what
+    was made at least, as they begin empty; None where that is not known.
     work_error: by how much the work of walls may be wrong, J. of_frames: how many; 0: the run left nothing to read.
     remarks: what cannot be; with one the run is not to be trusted.
     """
@@ -87,7 +89,8 @@ class Watch:
         rows = [self._row(name) for name in UNITS if name in self.curves or name in self.absent]
         if self.made is not None:
             known = f"; the work of walls is known to {self.work_error:.2g} J" if self.work_error else ""
-            note = f"largest fall of the dissipated energy{known}"
+            whole = "dissipated" in self.curves
+            note = ("largest fall of the dissipated energy" if whole else "at least: springs begin empty") + known
             rows.append(_of("energy made", self.made, None, None, "J", note))
         return rows
 
@@ -114,7 +117,13 @@ class Watch:
         curve = self.curves[name]
         sizes = np.where(np.isfinite(curve), np.abs(curve), np.inf)
         at = int(np.argmax(sizes))
+        if not np.isfinite(curve[at]):
+            return _of(name, None, float(self.time[at]), None, UNITS[name], f"no finite number{_WHY.get(name, '')}")
         return _of(name, float(curve[at]), float(self.time[at]), float(curve[-1]), UNITS[name], SAYS[name])
+
+
+_WHY = {"static residual": ": weight acts and nothing presses"}
+"""Of quantities that can be infinite where all numbers are finite."""
 
 
 def _of(name: str, largest, at, last, unit: str, note: str) -> dict:
@@ -133,7 +142,7 @@ def watch(system: System, trajectory: Trajectory) -> Watch:
             absent[name] = str(reason)
     error = _balance(curves, absent, system, trajectory, states)
     dissipated, time = curves.get("dissipated"), np.array([s.time for s in states])
-    made = None if dissipated is None else _largest_fall(dissipated)
+    made = at_least_made(curves) if dissipated is None else _largest_fall(dissipated)
     return Watch(
         time=time, curves={k: curves[k] for k in UNITS if k in curves}, absent=absent, made=made, work_error=error,
         remarks=remarks(time, curves, passed=passed(system, states), made=made, work_error=error,
@@ -219,6 +228,14 @@ def _unknown_stores(system: System, absent: dict[str, str]) -> str:
     return "what Mindlin's spring holds is not recorded" if isinstance(system.sliding, MindlinSliding) else ""
 
 
+def at_least_made(curves: Mapping[str, np.ndarray]) -> float | None:
+    """Return what springs that are not recorded cannot have held: they begin empty; None without a balance."""
+    taken = curves.get("dissipated or in springs")
+    if taken is None:
+        return None
+    return float((-taken).max(initial=0.0)) if np.isfinite(taken).all() else np.inf
+
+
 def _largest_fall(curve: np.ndarray) -> float:
     """Return the largest drop below the highest value so far."""
     return float((np.maximum.accumulate(curve) - curve).max(initial=0.0)) if np.isfinite(curve).all() else np.inf
@@ -237,7 +254,10 @@ def _not_finite(state: State) -> float:
 def _residuals(system: System, states: list[State]) -> np.ndarray:
     if not system.contacts:
         raise Unknown("contact forces are not recorded: outputs.contacts = true records them")
-    return np.array([_residual(system, s) for s in states])
+    try:
+        return np.array([_residual(system, s) for s in states])
+    except MissingColumn as reason:
+        raise Unknown(str(reason)) from None
 
 
 def _residual(system: System, state: State) -> float:

@@ -17,6 +17,7 @@ from harness.studies.stability.cases import shipped_folder
 from harness.studies.watch import watch, watch_folder
 from harness.studies.watch.remarks import ENERGY as ENERGY_LIMIT
 from harness.studies.watch.remarks import largest_energy
+from harness.studies.watch.watch import Watch, at_least_made
 from postproc.snapshot import Columns
 from postproc.trajectory import Trajectory, read_trajectory
 
@@ -123,7 +124,8 @@ def test_a_number_that_is_none_is_seen(made, head_on):
     seen = watch(done.system, Trajectory(frames=tuple(frames), steps=done.trajectory.steps, series=None))
     assert seen.curves["numbers not finite"][3] == 1.0
     rows = {r["quantity"]: r for r in seen.rows()}
-    assert not math.isfinite(rows["kinetic energy"]["largest"])
+    assert rows["kinetic energy"]["largest"] is None
+    assert rows["kinetic energy"]["note"] == "no finite number"
 
 
 def test_a_run_that_left_nothing_says_so(made, head_on, tmp_path):
@@ -278,3 +280,58 @@ def test_compare_shows_remarks(tmp_path, capsys):
     assert "Remarks of the watch" in capsys.readouterr().out
     assert (tmp_path / "remarks.csv").read_text().count(PASSED) == 2
     assert PASSED in (tmp_path / "report.html").read_text()
+
+
+INCLINE = """
+kind = "free"
+title = "a disc on a plane, periodic along it"
+dimension = 2
+duration = 1e-4
+gravity = [2.0, -9.5]
+periodic = [0.01, 0]
+bodies = [{position = [0.0, 0.001], radius = 0.001, mass = 1e-6, velocity = [0.0, -0.01]}]
+
+[contact.normal]
+law = "linear"
+normal_stiffness = 1e5
+normal_damping = 0.1
+attraction = "allowed"
+
+[numerics]
+dt_fraction = 0.05
+
+[outputs]
+samples = 4
+frames = 4
+contacts = true
+
+[[planes]]
+name = "floor"
+point = [0.0, 0.0]
+normal = [0.0, 1.0]
+friction = false
+"""
+
+
+def test_a_box_that_is_periodic_along_one_axis_leaves_out_what_needs_a_box(made, tmp_path):
+    file = tmp_path / "incline.toml"
+    file.write_text(INCLINE)
+    seen = made(file).watch
+    assert "has no box" in seen.absent["static residual"]
+    assert seen.curves["kinetic energy"][-1] > 0
+
+
+def test_what_is_infinite_is_told_without_a_number():
+    """Weight acts and nothing presses: JSON knows no such number."""
+    seen = Watch(time=np.array([0.0, 1.0]), curves={"static residual": np.array([np.inf, 0.5])}, absent={})
+    (row,) = seen.rows()
+    assert (row["largest"], row["at time (s)"]) == (None, 0.0)
+    assert row["note"] == "no finite number: weight acts and nothing presses"
+    json.dumps(seen.rows(), allow_nan=False)
+
+
+@pytest.mark.parametrize(("taken", "made"), [([0.0, 2.0, 1.0], 0.0), ([0.0, -3.0, 1.0], 3.0)])
+def test_springs_that_are_not_recorded_begin_empty(taken, made):
+    """What they hold is not known, but not below 0: a balance below 0 is energy made."""
+    assert at_least_made({"dissipated or in springs": np.array(taken)}) == made
+    assert at_least_made({}) is None
