@@ -38,7 +38,10 @@ def _failure_note(checks: Sequence[Check], runs: Sequence[ReportedRun]) -> str:
     """Say how much went wrong; what could not be decided is neither here nor there, and is said."""
     counts = Counter(c.verdict for c in checks)
     lost = sum(r.outcome.status != "completed" for r in runs)
-    what = [f"{counts['differs']} of {len(checks)} checks differ", f"{lost} of {len(runs)} runs did not complete"]
+    what = [
+        f"{counts['differs']} of {len(checks)} checks differ" if checks else "Nothing was checked: no pass",
+        f"{lost} of {len(runs)} runs did not complete",
+    ]
     undecided = [f"{counts[v]} {words(v)}" for v in ("inconclusive", "not_checked") if counts[v]]
     tail = f" Undecided are {' and '.join(undecided)}: why stands under All checks." if undecided else ""
     return f"{', '.join(what)}.{tail}"

@@ -175,10 +175,16 @@ FAILED = {
 """What became of an engine, as the end of a sentence."""
 
 
+NO_CHECK = (
+    "none could be made, and nothing to check is no pass (exit status 1): [[compare.agreements]] of a free scene "
+    "declares how near pairs of codes must come"
+)
+
+
 def summary(comparison: Comparison) -> str:
     """Return one line: how large, how many runs, which engines are missing, how many verdicts of each kind."""
     counts = Counter(c.verdict for c in comparison.checks)
-    verdicts = ", ".join(f"{n} {v.replace('_', ' ')}" for v, n in counts.items()) or "none could be made"
+    verdicts = ", ".join(f"{n} {v.replace('_', ' ')}" for v, n in counts.items()) or NO_CHECK
     failed = {r.engine: r.outcome.status for r in comparison.all_runs if r.trajectory is None}
     without = "".join(f", {engine} {FAILED[status]}" for engine, status in failed.items())
     system = comparison.starts[0].system

@@ -113,7 +113,8 @@ def between_fits_the_scene(scene: Scene) -> Iterator[Fault]:
             got="a table", fix='remove it, or take kind = "free"',
         )
     if not isinstance(contact.normal, LinearNormal):
-        yield _no_table(place, f'contact.normal.law = "{word(contact.normal)}"', "only linear laws have them by pair")
+        law = word(contact.normal)
+        yield _no_table(place, f'contact.normal.law = "{law}"', 'remove it; only law = "linear" has one')
     for family in ("rolling", "torsion"):
         if getattr(contact, family) is not None:
             yield _no_table(place, f"a table contact.{family}", f"remove it, or contact.{family}")

@@ -30,6 +30,9 @@ Ended = Literal[
 
 BAD: tuple[Ended, ...] = ("degraded", "failed_loudly", "failed_silently")
 
+AGAIN = "out/again"
+"""Where a case is made again: not over the report of all."""
+
 OWN = ("kernel:talk", "kernel:corrected")
 """The kernel in conventions of its own."""
 
@@ -100,8 +103,12 @@ def judge_run(case: Case, engine: str, outcome: Outcome, seen: Seen | None, twin
     return Result(
         case=case.name, engine=engine, ended=ended, reason=reason, expected=expected, known=known, held=held,
         steps=outcome.steps, seconds=outcome.cpu_seconds,
-        reproduce="" if ended == "unsupported" else f"grainproof stability {case.name} --engines {engine}",
+        reproduce="" if ended == "unsupported" else _again(case, engine),
     )
+
+
+def _again(case: Case, engine: str) -> str:
+    return f"grainproof stability {case.name} --engines {engine} --out {AGAIN}"
 
 
 def judge_refusal(case: Case, engine: str) -> Result:

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from harness.runs.outcome import read_outcome
 from harness.scene.load import load_scene
 from harness.scene.resolve import resolve
 from harness.studies.accuracy import accuracy, cost, steps
@@ -47,7 +48,7 @@ def test_a_step_too_long_is_unstable_and_has_no_time(climbed):
     for track in climbed.declared:
         worst = track.points[0]
         assert (worst.rung, worst.status) == (0.64, "unstable")
-        assert "kinetic energy grew" in worst.reason
+        assert "kinetic energy grew" in worst.reason or "made energy out of nothing" in worst.reason
         assert worst.seconds is None
         assert not worst.errors
         assert all(p.seconds > 0.0 for p in track.points[1:])
@@ -84,7 +85,8 @@ def test_the_corrected_scheme_is_on_the_front(climbed):
 
 
 def test_nothing_is_made_twice(climbed, out, monkeypatch):
-    made = {f: f.stat().st_mtime_ns for f in out.glob("*/*/outcome.json")}
+    outcomes = [f for f in out.glob("*/*/outcome.json") if read_outcome(f).status == "completed"]
+    made = {f: f.stat().st_mtime_ns for f in outcomes}
     made |= {f: f.stat().st_mtime_ns for part in ("oracles", "times") for f in (out / part).iterdir()}
     assert len(made) > 20
 
