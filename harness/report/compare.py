@@ -207,7 +207,7 @@ def own_cost(comparison: Comparison) -> str:
     packings = comparison.packing_seconds
     ours = time.process_time() - packings
     made = f", packings {packings:.3g} s" if packings >= 0.1 else ""
-    share = f"harness {ours:.3g} s ({100 * ours / theirs:.2g} %)" if theirs else ""
+    share = f"harness {ours:.3g} s ({100 * ours / theirs:.3g} %)" if theirs else ""
     return f"CPU time: runs {theirs:.3g} s{made}, {share}\n" if theirs else ""
 
 
