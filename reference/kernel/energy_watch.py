@@ -5,8 +5,8 @@ the leapfrog's own keeps in its place (Hairer, Lubich & Wanner, Acta Numerica 12
 
     H = E_kin + E_rot + U_n + U_t - sum m g.x + sum_walls (m d'^2/2 - load d) - dt^2/8 sum (F^2/m + T^2/I)
 
-can only fall: dashpots, drag and sliding take. What it has risen above its least value so far is `made`. Laws, schemes
-and steps that make energy have no dashpot to spend it on and are found whatever the reason, three of which are known:
+can only fall: dashpots, drag and sliding take. What it has risen above its least value so far is `made`, and is found
+whatever the reason, unless dashpots spend it. Three reasons are known:
 
     Mindlin's spring    its stiffness follows the overlap without a normal force that answers, so U_t = S_t xi^2/2 grows
                         with dS_t/dt xi^2/2 for free (Elata & Berryman, Mech. Mater. 24, 229 (1996)). In an undamped
@@ -17,7 +17,8 @@ and steps that make energy have no dashpot to spend it on and are found whatever
     a step too long     for stiffnesses that nobody foresaw
 
 A run that has made more than MOST of the largest kinetic energy so far is stopped; from WORTH_SAYING on it says so at
-its end. The kernel in the convention of a code goes on, as that code does, and says so at its end.
+its end. Where nothing but contacts could stop the centre of mass, without walls and rings, its motion does not count.
+The kernel in the convention of a code goes on, as that code does, and says so at its end.
 
 Driven walls and rings do work that only their histories tell, and laws with plastic overlap store what their overlap
 does not tell: such runs are not watched here (`grainproof run --watch` follows them from what is recorded).
@@ -38,7 +39,7 @@ from reference.kernel.state import State
 from reference.kernel.vectors import dot
 
 LOOKS, LOOK_EVERY = 20, 2000
-"""Looks at a run, and the most steps between two. One takes what 20 to 30 steps do."""
+"""Looks at a run, and the most steps between two: 1 % of a long run's time (2000 discs)."""
 
 WORTH_SAYING, MOST = 0.1, 0.5
 """Of the largest kinetic energy: what a run says that it has made, and what it is stopped for."""
